@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "calib/board.h"
+#include "core/camera.h"
+#include "core/capture.h"
+#include "core/options.h"
+#include "core/pose.h"
+#include "core/progress.h"
+
+namespace lfm {
+
+/// One picture whose camera pose is known.
+struct PosedImage {
+  std::string id;
+  std::string camera;      ///< key of CalibResult::cameras
+  std::string file;        ///< the picture that was used, relative to the capture folder
+  Pose camera_from_world;  ///< world = platform frame
+  /// Covariance of (rotation vector applied on the left, translation), rad and mm; of the pose's
+  /// own corners at the estimated corner noise, intrinsics held. Row-major in files.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  int tags = 0, corners = 0;       ///< found; corners used in the fit
+  double reprojection_rms_px = 0;  ///< sqrt(mean(dx^2 + dy^2)) over inliers
+  PhotoSplit split = PhotoSplit::kTrain;
+};
+
+struct RejectedImage {
+  std::string id, file;
+  std::string reason;  ///< one line for people
+};
+
+struct CalibResult {
+  std::map<std::string, Camera> cameras;
+  std::vector<PosedImage> photos;  ///< train and test, in manifest order
+  std::vector<PosedImage> scans;   ///< platform pose of every scan: camera_from_world of its rig
+  std::vector<PosedImage> placements;  ///< the same for the empty, tilted platform
+  std::vector<RejectedImage> rejected;
+  double reprojection_rms_px = 0;  ///< over inlier corners of all photographs
+  double corner_noise_px = 0;      ///< estimated standard deviation of a corner coordinate
+};
+
+struct CalibOptions {
+  double max_reprojection_px = 1.0;
+  int min_corners = 12;
+  double robust_scale_px = 0.5;
+  void Declare(OptionVisitor& v) {
+    v.Number({"max-reprojection-px",
+              "Set a photograph aside when its own corners fit worse than "
+              "this.",
+              "px", 0.01, 100},
+             max_reprojection_px);
+    v.Integer({"min-corners", "Set a photograph aside when fewer corners than this are found.", "",
+               4, 10000},
+              min_corners);
+    v.Number({"robust-scale-px", "Corner errors beyond this count less and less (Cauchy loss).",
+              "px", 0.01, 100},
+             robust_scale_px);
+  }
+};
+
+/// Finds the platform in every photograph and every scan's white picture, estimates the intrinsics
+/// of each camera from the pictures themselves (train photographs; for the scanner's camera its
+/// scans and placements), and the pose of every picture. Test photographs are posed by their own
+/// corners after the intrinsics are fixed. Throws Error when fewer than three pictures of a camera
+/// can be used; one failed picture is set aside with the reason.
+CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoader& load_image,
+                      const CalibOptions& options, Progress& progress);
+
+}  // namespace lfm

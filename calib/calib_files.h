@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "calib/calib.h"
+
+namespace lfm {
+
+/// Writes `folder/cameras.json` and `folder/poses.json` (docs/formats.md).
+void SaveCalib(const CalibResult& result, const std::filesystem::path& folder);
+/// The inverse; throws Error on missing, malformed or non-finite content.
+CalibResult LoadCalib(const std::filesystem::path& folder);
+/// The calibration that a capture brings along (`Capture::BringsGeometry`).
+CalibResult CalibFromCapture(const Capture& capture);
+
+}  // namespace lfm

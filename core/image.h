@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lfm {
+
+enum class PixelType { kUint8, kUint16, kFloat32 };
+enum class ColorEncoding {
+  kLinear,  ///< proportional to radiance
+  kSrgb,    ///< the transfer curve of IEC 61966-2-1
+};
+
+/// A picture in memory: rows from the top, pixels from the left, channels interleaved (RGB, never
+/// BGR; RGBA with straight alpha), no padding.
+///
+/// Integer types represent [0, 1] as [0, 255] or [0, 65535].
+class Image {
+ public:
+  Image() = default;
+  /// Zero-filled. Throws Error unless 1 <= width, height <= 65536 and 1 <= channels <= 4.
+  Image(int width, int height, int channels, PixelType type, ColorEncoding encoding);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int channels() const { return channels_; }
+  PixelType type() const { return type_; }
+  ColorEncoding encoding() const { return encoding_; }
+  bool empty() const { return width_ == 0; }
+  size_t size() const { return static_cast<size_t>(width_) * height_ * channels_; }  ///< values
+
+  /// The values; T must be the type's (uint8_t, uint16_t or float), else Error (kSystem).
+  template <typename T>
+  T* Data();
+  template <typename T>
+  const T* Data() const;
+  template <typename T>
+  T& At(int x, int y, int channel = 0) {
+    return Data<T>()[(static_cast<size_t>(y) * width_ + x) * channels_ + channel];
+  }
+  template <typename T>
+  const T& At(int x, int y, int channel = 0) const {
+    return Data<T>()[(static_cast<size_t>(y) * width_ + x) * channels_ + channel];
+  }
+  const std::vector<std::byte>& Bytes() const { return bytes_; }
+
+ private:
+  int width_ = 0, height_ = 0, channels_ = 0;
+  PixelType type_ = PixelType::kUint8;
+  ColorEncoding encoding_ = ColorEncoding::kSrgb;
+  std::vector<std::byte> bytes_;
+};
+
+/// Encodes a linear value in [0, 1] with the sRGB curve; below 0 the curve is mirrored, above 1 it
+/// goes on by its formula.
+float SrgbFromLinear(float linear);
+/// The inverse of SrgbFromLinear, to 1e-6.
+float LinearFromSrgb(float srgb);
+
+/// The same picture as linear float32. Exact for float input, table-driven for 8 and 16 bits.
+Image ToLinearFloat(const Image& image);
+/// The same picture as 8-bit sRGB, rounded to nearest, clamped to [0, 255]; NaN becomes 0.
+Image ToSrgb8(const Image& image);
+/// One channel: Rec. 709 luminance of an RGB picture (computed on the stored values), or a copy.
+Image ToGray(const Image& image);
+
+/// Reads PNG, JPEG, EXR or Radiance HDR by content, not by name.
+///
+/// 8-bit files are sRGB; EXR and HDR are linear float. A 16-bit PNG does not say: pass `encoding`
+/// or get an Error. EXIF orientation is not applied: photographs are taken as stored.
+/// Throws Error (file, cause, cure) when the file is missing, truncated, not a picture, or larger
+/// than 65536 pixels a side.
+Image ReadImage(const std::filesystem::path& file,
+                std::optional<ColorEncoding> encoding = std::nullopt);
+
+struct ImageWriteOptions {
+  int png_compression = 3;  ///< 0-9
+  int jpeg_quality = 92;    ///< 1-100
+};
+/// Writes by the ending of `file`: .png (8 or 16 bit), .jpg (8 bit), .exr or .hdr (float linear).
+/// Atomic: a temporary file, then a rename. Throws Error where type and ending do not agree.
+void WriteImage(const Image& image, const std::filesystem::path& file,
+                const ImageWriteOptions& options = {});
+
+/// Encodes to PNG bytes in memory; decodes PNG or JPEG bytes (for textures inside GLB files).
+std::vector<std::byte> EncodePng(const Image& image, int compression = 6);
+Image DecodeImage(const std::byte* data, size_t size, const std::string& name_for_errors);
+
+/// Bilinear value of a float picture's channel at (x, y) in pixel coordinates (centre of the
+/// top-left pixel = (0, 0)); coordinates are clamped to the picture.
+float SampleBilinear(const Image& image, double x, double y, int channel);
+
+}  // namespace lfm

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/triangle_mesh.h"
+#include "resample/direction_map.h"
+
+namespace lfm {
+
+/// An 8-bit map's value: `scale * code / 255 + bias`.
+struct MapRange {
+  float scale = 1, bias = 0;
+};
+
+/// Where a triangle's patch lies in the surface pages. Texel (x, y) holds sample (i, j) with
+/// x = origin.x + i, y = origin.y + j, or, when `flipped`, x = origin.x - i, y = origin.y - j: two
+/// triangles share one rectangle.
+struct PatchPlacement {
+  int page = 0;
+  Eigen::Vector2i origin = {0, 0};
+  bool flipped = false;
+  int edge_samples = 2;
+};
+
+/// A surface light field in factored, quantised form: what `model.glb` holds and the renderers show
+/// (Chen 2002, Equations 3 and 6). Colours are sRGB-coded, [0, 1].
+///
+///   colour(t, s, d) = mean_t(s) + sum over corners j, terms k of
+///                     g[t, j, k](s) * h[vertex(t, j), k](direction of d in the vertex frame)
+///
+/// with g one number and h three (RGB) a sample. All maps are 8-bit codes with a MapRange.
+struct LightFieldModel {
+  TriangleMesh mesh;                           ///< mm, world frame; V vertices, T triangles
+  std::vector<Eigen::Matrix3d> vertex_frames;  ///< V; columns x, y, z
+  DirectionMap direction_map = DirectionMap::kHemiOctahedral;
+  int grid = 32;
+  int terms = 0;  ///< K, the most terms that any vertex has
+
+  std::vector<PatchPlacement> placements;  ///< T; one layout for mean and surface pages
+  std::vector<Image> mean_pages;           ///< RGB 8 bit sRGB
+  /// `surface_pages[k][page]`: RGB 8 bit, channel = corner of the triangle (three monochrome maps).
+  std::vector<std::vector<Image>> surface_pages;
+  /// `view_pages[k][page]`: RGB 8 bit; vertex v has its grid x grid tile at ViewTile(v).
+  std::vector<std::vector<Image>> view_pages;
+  std::vector<int> vertex_terms;  ///< V; terms that this vertex has, <= K
+  /// `surface_ranges[k * V + v]`, `view_ranges[k * V + v]`: one range a vertex and term, so that
+  /// samples on shared edges stay equal.
+  std::vector<MapRange> surface_ranges, view_ranges;
+  int view_tiles_per_row = 0, view_tiles_per_page = 0;
+
+  struct TilePosition {
+    int page, x, y;  ///< top-left texel
+  };
+  TilePosition ViewTile(int vertex) const {
+    const int in_page = vertex % view_tiles_per_page;
+    return {vertex / view_tiles_per_page, in_page % view_tiles_per_row * grid,
+            in_page / view_tiles_per_row * grid};
+  }
+  /// Bytes of all maps as they lie in the pages, gutters and ranges included, geometry excluded.
+  int64_t MapsBytes() const;
+};
+
+}  // namespace lfm

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+#include "resample/direction_map.h"
+
+namespace lfm {
+
+/// Surface samples of a triangle patch: a triangular grid with `n` samples an edge, corners and
+/// edges included, n (n + 1) / 2 in all. Sample (i, j), i + j < n, lies at barycentric weights
+/// (1 - (i + j) / (n - 1), i / (n - 1), j / (n - 1)) of corners 0, 1, 2; its index runs j outer,
+/// i inner. n >= 2.
+int PatchSampleCount(int n);
+int PatchSampleIndex(int n, int i, int j);
+Eigen::Vector3d PatchSampleWeights(int n, int i, int j);
+
+/// The visible views of one triangle, normalised to one shape: the block P of DESIGN 4.
+///
+/// `values[(sample * 3 + channel) * photos.size() + view]` is sRGB-coded radiance times
+/// `LightField::kOne`: 8-bit photographs use [0, kOne]; imputed values of saturated pixels may
+/// exceed kOne.
+struct TrianglePatch {
+  int edge_samples = 0;              ///< n
+  std::span<const uint16_t> photos;  ///< indices into LightField::photo_ids, ascending
+  std::span<const uint16_t> values;
+};
+
+/// Delaunay view weights of one triangle corner: the block W of DESIGN 4. Grid entry q is the sum
+/// of weight[3 q + k] times view view[3 q + k] (an index into TrianglePatch::photos), k = 0, 1, 2;
+/// weights are >= 0 and sum to one; no view at all (a triangle seen by nobody) gives empty spans.
+struct ViewWeights {
+  std::span<const uint16_t> view;
+  std::span<const float> weight;
+  /// 1 where the grid direction lies inside the convex hull of the seen ones, 0 where guessed.
+  std::span<const uint8_t> seen;
+};
+
+/// The resampled light field, F_i = P_i W_i for every triangle i, never multiplied out.
+///
+/// Read-only and memory-mapped (`resample/light_field.lfs`, docs/formats.md); safe to read from
+/// many threads. Weights of a triangle are decoded on request into the caller's buffer.
+class LightField {
+ public:
+  static constexpr int kOne = 32768;  ///< the stored value of sRGB-coded 1.0
+
+  /// Throws Error when the file is missing, truncated, of another version, or fails its checksums.
+  static LightField Open(const std::filesystem::path& file);
+  ~LightField();
+  LightField(LightField&&) noexcept;
+  LightField& operator=(LightField&&) noexcept;
+
+  const TriangleMesh& mesh() const;  ///< the decimated mesh, with normals
+  const std::vector<Eigen::Matrix3d>& vertex_frames() const;
+  const std::vector<std::string>& photo_ids() const;
+  DirectionMap direction_map() const;
+  int grid() const;  ///< view grid is grid x grid
+  int triangle_count() const;
+  TrianglePatch Patch(int triangle) const;
+  struct WeightBuffer {
+    std::vector<uint16_t> view;
+    std::vector<float> weight;
+    std::vector<uint8_t> seen;
+  };
+  ViewWeights Weights(int triangle, int corner, WeightBuffer& buffer) const;
+
+  /// 3 bytes x samples x grid^2, over all triangles: what the literature counts ratios against.
+  int64_t DenseBytes() const;
+  double MeanVisibleViews() const;
+  double MeanSamplesPerTriangle() const;
+
+ private:
+  struct State;
+  explicit LightField(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Writes a light field chunk by chunk: triangles in ascending order, from one thread.
+class LightFieldWriter {
+ public:
+  struct Header {
+    TriangleMesh mesh;
+    std::vector<Eigen::Matrix3d> vertex_frames;
+    std::vector<std::string> photo_ids;
+    DirectionMap direction_map = DirectionMap::kHemiOctahedral;
+    int grid = 32;
+  };
+  /// One triangle as it is written; weights of the three corners as in ViewWeights.
+  struct Triangle {
+    int edge_samples = 2;
+    std::vector<uint16_t> photos;
+    std::vector<uint16_t> values;
+    std::array<LightField::WeightBuffer, 3> weights;
+  };
+  /// The file appears under its name only when Finish() has run.
+  LightFieldWriter(const std::filesystem::path& file, const Header& header);
+  ~LightFieldWriter();
+  void Write(const Triangle& triangle);
+  void Finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lfm
