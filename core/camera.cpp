@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/camera.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+
+namespace lfm {
+namespace {
+
+double RadialFactor(const Camera& c, double r2) {
+  return 1 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
+}
+
+// d/dr of r * (1 + k1 r^2 + k2 r^4 + k3 r^6).
+double RadialSlope(const Camera& c, double r2) {
+  return 1 + r2 * (3 * c.k1 + r2 * (5 * c.k2 + r2 * 7 * c.k3));
+}
+
+// The polynomial may fall between the axis and r although it rises at r itself.
+bool RadialRisesUpTo(const Camera& c, double r2) {
+  if (c.k1 >= 0 && c.k2 >= 0 && c.k3 >= 0) return true;
+  constexpr int kProbes = 16;
+  for (int i = 1; i <= kProbes; ++i) {
+    if (!(RadialSlope(c, r2 * i / kProbes) > 0)) return false;
+  }
+  return true;
+}
+
+Eigen::Matrix2d DistortJacobian(const Camera& c, const Eigen::Vector2d& n) {
+  const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
+  const double radial = RadialFactor(c, r2);
+  const double slope = 2 * (c.k1 + r2 * (2 * c.k2 + r2 * 3 * c.k3));  // d radial / d r2, times 2
+  Eigen::Matrix2d j;
+  j(0, 0) = radial + x * x * slope + 2 * c.p1 * y + 6 * c.p2 * x;
+  j(0, 1) = x * y * slope + 2 * c.p1 * x + 2 * c.p2 * y;
+  j(1, 0) = j(0, 1);
+  j(1, 1) = radial + y * y * slope + 6 * c.p1 * y + 2 * c.p2 * x;
+  return j;
+}
+
+}  // namespace
+
+bool Camera::Contains(const Eigen::Vector2d& pixel) const {
+  return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 &&
+         pixel.y() < height - 0.5;
+}
+
+Eigen::Vector2d Distort(const Camera& c, const Eigen::Vector2d& n) {
+  const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
+  const double radial = RadialFactor(c, r2);
+  return {x * radial + 2 * c.p1 * x * y + c.p2 * (r2 + 2 * x * x),
+          y * radial + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y};
+}
+
+std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& point) {
+  if (!(point.z() > 0) || !point.allFinite()) return std::nullopt;
+  const Eigen::Vector2d normalized = point.head<2>() / point.z();
+  if (!normalized.allFinite() || !RadialRisesUpTo(camera, normalized.squaredNorm())) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d d = Distort(camera, normalized);
+  const Eigen::Vector2d pixel(camera.fx * d.x() + camera.cx, camera.fy * d.y() + camera.cy);
+  if (!pixel.allFinite()) return std::nullopt;
+  return pixel;
+}
+
+Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d distorted((pixel.x() - camera.cx) / camera.fx,
+                                  (pixel.y() - camera.cy) / camera.fy);
+  Eigen::Vector2d n = distorted;
+  if (camera.HasDistortion()) {
+    constexpr int kMaxIterations = 50;
+    constexpr double kConverged_abs = 1e-14;
+    bool converged = false;
+    for (int i = 0; i < kMaxIterations && !converged; ++i) {
+      const Eigen::Vector2d residual = Distort(camera, n) - distorted;
+      if (residual.norm() <= kConverged_abs * (1 + distorted.norm())) {
+        converged = true;
+        break;
+      }
+      const Eigen::Vector2d step = DistortJacobian(camera, n).inverse() * residual;
+      // Far from the axis a full step can jump over the fold; half a radian is always enough.
+      constexpr double kMaxStep = 0.5;
+      n -= step.norm() > kMaxStep ? Eigen::Vector2d(step * (kMaxStep / step.norm())) : step;
+      if (!n.allFinite()) break;
+    }
+    const Eigen::Vector2d residual = Distort(camera, n) - distorted;
+    constexpr double kAccepted_px = 1e-10;
+    converged = n.allFinite() && residual.norm() * camera.fx <= kAccepted_px * (1 + pixel.norm()) &&
+                RadialRisesUpTo(camera, n.squaredNorm());
+    if (!converged) {
+      throw Error("camera: the lens model folds over inside the picture at pixel (" +
+                  std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) +
+                  "); calibrate again with fewer distortion terms");
+    }
+  } else if (!n.allFinite()) {
+    throw Error("camera: cannot unproject a pixel that is not finite");
+  }
+  return Eigen::Vector3d(n.x(), n.y(), 1).normalized();
+}
+
+Camera ScaleCamera(const Camera& camera, double factor) {
+  Camera scaled = camera;
+  scaled.width = static_cast<int>(std::lround(camera.width * factor));
+  scaled.height = static_cast<int>(std::lround(camera.height * factor));
+  scaled.fx *= factor;
+  scaled.fy *= factor;
+  scaled.cx = (camera.cx + 0.5) * factor - 0.5;
+  scaled.cy = (camera.cy + 0.5) * factor - 0.5;
+  return scaled;
+}
+
+void ValidateCamera(const Camera& c, const char* where) {
+  const auto fail = [where](const std::string& what) {
+    throw Error(std::string(where) + ": camera " + what);
+  };
+  constexpr int kMaxSide = 65536;
+  if (c.width < 1 || c.height < 1 || c.width > kMaxSide || c.height > kMaxSide) {
+    fail("size must be between 1 and 65536 pixels, not " + std::to_string(c.width) + " x " +
+         std::to_string(c.height));
+  }
+  for (double value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.k3, c.p1, c.p2}) {
+    if (!std::isfinite(value)) fail("parameters must be finite numbers");
+  }
+  if (!(c.fx > 0) || !(c.fy > 0)) fail("focal lengths must be positive");
+}
+
+}  // namespace lfm

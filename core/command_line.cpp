@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/command_line.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kExitOk = 0, kExitFailure = 1, kExitInput = 2, kExitInterrupted = 130;
+
+void HandleSignal(int) { RequestInterrupt(); }
+
+void InstallSignalHandlers() {
+  struct sigaction action {};
+  action.sa_handler = HandleSignal;
+  sigemptyset(&action.sa_mask);
+  // A second Ctrl-C ends the process at once, as people expect.
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c)
+}
+
+std::string HelpText(const OptionInfo& info) {
+  std::string help = info.help;
+  if (*info.unit != '\0') help += " [" + std::string(info.unit) + "]";
+  return help;
+}
+
+// Declares every option to CLI11, which also reads the config file. Ranges are checked afterwards
+// by ValidateOptions, so that both ways give the same message.
+class CliDeclarer : public OptionVisitor {
+ public:
+  CliDeclarer(CLI::App& app, std::string group) : app_(app), group_(std::move(group)) {}
+  void Number(const OptionInfo& info, double& value) override { Add(info, value); }
+  void Integer(const OptionInfo& info, int& value) override { Add(info, value); }
+  void Flag(const OptionInfo& info, bool& value) override {
+    Finish(app_.add_flag("--" + std::string(info.name) + ",!--no-" + info.name, value,
+                         HelpText(info)));
+  }
+  void Text(const OptionInfo& info, std::string& value) override { Add(info, value); }
+  void Choice(const OptionInfo& info, const std::vector<std::string>& names, int& value) override {
+    std::vector<std::pair<std::string, int>> map;
+    for (size_t i = 0; i < names.size(); ++i) map.emplace_back(names[i], static_cast<int>(i));
+    Finish(app_.add_option("--" + std::string(info.name), value, HelpText(info))
+               ->transform(CLI::CheckedTransformer(map))
+               ->default_str(names.at(value)));
+  }
+
+ private:
+  template <typename T>
+  void Add(const OptionInfo& info, T& value) {
+    Finish(app_.add_option("--" + std::string(info.name), value, HelpText(info))
+               ->capture_default_str());
+  }
+  void Finish(CLI::Option* option) {
+    if (!group_.empty()) option->group(group_);
+  }
+  CLI::App& app_;
+  std::string group_;
+};
+
+// One line, whatever a library put into its message.
+std::string OneLine(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
+struct CommandLine::State {
+  State(const std::string& command, const std::string& description, const std::string& example)
+      : name(command), app(description, command) {
+    app.set_version_flag("--version", command + " " LFM_VERSION);
+    app.footer("Example:\n  " + example);
+    app.add_flag("-q,--quiet", quiet, "Say nothing but errors.");
+    app.add_flag("-v,--verbose", verbose, "Say more.");
+    app.add_option("--threads", threads, "Use this many threads; 0 means all.")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str();
+    app.set_config("--config", "", "Read options from this TOML file.");
+    app.allow_config_extras(CLI::config_extras_mode::error);
+  }
+  std::string name;
+  CLI::App app;
+  std::vector<AnyOptions> options;
+  bool quiet = false, verbose = false;
+  int threads = 0;
+
+  int Report(const std::string& what, int status) const {
+    std::fprintf(stderr, "%s: error: %s\n", name.c_str(), OneLine(what).c_str());
+    return status;
+  }
+  int Parse(int argc, char** argv, bool& go_on);
+  int RunBody(const std::function<void(Progress&)>& body) const;
+};
+
+CommandLine::CommandLine(std::string name, std::string description, std::string example)
+    : state_(std::make_unique<State>(name, description, example)) {}
+CommandLine::~CommandLine() = default;
+
+void CommandLine::Positional(const std::string& name, const std::string& help, std::string& value) {
+  state_->app.add_option(name, value, help)->required();
+}
+
+void CommandLine::OptionalPositional(const std::string& name, const std::string& help,
+                                     std::string& value) {
+  state_->app.add_option(name, value, help)->capture_default_str();
+}
+
+void CommandLine::Options(AnyOptions options, const std::string& group) {
+  CliDeclarer declarer(state_->app, group);
+  options.Declare(declarer);
+  state_->options.push_back(options);
+}
+
+int CommandLine::State::Parse(int argc, char** argv, bool& go_on) {
+  go_on = false;
+  try {
+    app.parse(argc, argv);
+    for (const AnyOptions& o : options) ValidateOptions(o);
+    go_on = true;
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    return Report(std::string(e.what()) + " (see " + name + " --help)", kExitInput);
+  } catch (const Error& e) {
+    return Report(e.what(), kExitInput);
+  }
+}
+
+int CommandLine::State::RunBody(const std::function<void(Progress&)>& body) const {
+  try {
+    const std::unique_ptr<Progress> progress = MakeConsoleProgress(quiet);
+    body(*progress);
+    return kExitOk;
+  } catch (const Interrupted&) {
+    std::fprintf(stderr, "%s: interrupted; run the same command again to go on\n", name.c_str());
+    return kExitInterrupted;
+  } catch (const Error& e) {
+    return Report(e.what(), e.kind() == ErrorKind::kInput ? kExitInput : kExitFailure);
+  } catch (const std::bad_alloc&) {
+    return Report("out of memory; use fewer or smaller pictures, or a machine with more memory",
+                  kExitFailure);
+  } catch (const std::exception& e) {
+    return Report(std::string("internal error: ") + e.what(), kExitFailure);
+  }
+}
+
+int CommandLine::Run(int argc, char** argv, const std::function<void(Progress&)>& body) {
+  bool go_on = false;
+  const int status = state_->Parse(argc, argv, go_on);
+  if (!go_on) return status;
+  // Results go to stdout, everything said on the way to stderr.
+  const spdlog::level::level_enum level = state_->quiet     ? spdlog::level::err
+                                          : state_->verbose ? spdlog::level::debug
+                                                            : spdlog::level::info;
+  auto logger = std::make_shared<spdlog::logger>(state_->name,
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  logger->set_pattern("%n: %v");
+  logger->set_level(level);
+  spdlog::set_default_logger(logger);
+  SetThreadCount(state_->threads);
+  InstallSignalHandlers();
+  return state_->RunBody(body);
+}
+
+}  // namespace lfm
