@@ -33,6 +33,8 @@ struct Photo {
 struct CaptureCamera {
   int width = 0, height = 0;
   std::optional<Camera> intrinsics;
+  /// What 16-bit files of this camera hold (they cannot say so themselves); 8-bit files are sRGB.
+  std::optional<ColorEncoding> encoding = std::nullopt;
 };
 
 /// One placement of the platform in front of the scanner, with its pattern pictures.

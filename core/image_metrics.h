@@ -16,12 +16,14 @@ struct ImageDifference {
   double ssim = 0;     ///< mean SSIM (Wang 2004; Gaussian window 11x11, sigma 1.5, luminance)
 };
 
-/// PSNR of a mean squared error in levels^2; 99 dB is the ceiling.
+/// PSNR of a mean squared error in levels^2; 99 dB is the ceiling. Throws Error unless `mse` is
+/// finite and not negative.
 double PsnrFromMse(double mse);
 
 /// Compares `image` with `reference`, both 8-bit RGB of one size, where `mask` (8 bit, one channel)
 /// is at least 128. SSIM is averaged over windows centred on mask pixels; pixels outside the mask
-/// take the reference's value in both pictures first, so that backgrounds do not count.
+/// take the reference's value in both pictures first, so that backgrounds do not count. A window
+/// that leaves the picture is cut off and its weights renormalised.
 /// Throws Error when sizes or types differ, or the mask is empty.
 ImageDifference CompareImages(const Image& image, const Image& reference, const Image& mask);
 

@@ -23,13 +23,17 @@ struct RayHit {
 /// do not slip through shared edges. Immutable; safe to use from many threads.
 class RayScene {
  public:
+  /// Copies what it needs. Throws Error when the mesh has no triangle, an index out of range or a
+  /// coordinate that is not finite. The answers do not depend on the number of threads.
   explicit RayScene(const TriangleMesh& mesh);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
   /// First hit of origin + t * direction, t in [t_min, t_max] (direction need not be unit for the
-  /// caller's convenience; `distance` and t are in units of its length).
+  /// caller's convenience; `distance` and t are in units of its length). Both sides of a triangle
+  /// count. A zero or non-finite ray meets nothing. The triangle is found in float32; distance, u
+  /// and v are then computed in double precision, with u, v >= 0 and u + v <= 1.
   std::optional<RayHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                   double t_min = 0, double t_max = 1e30) const;
   /// True when anything lies between t_min and t_max.
@@ -41,7 +45,8 @@ class RayScene {
     int triangle = -1;
     double distance = 0;  ///< mm
   };
-  /// The closest point of the mesh to `query` within `max_distance`.
+  /// The closest point of the mesh to `query` within `max_distance`, in double precision; of
+  /// equally near triangles the first. No answer for a non-finite query.
   std::optional<ClosestPoint> Closest(const Eigen::Vector3d& query,
                                       double max_distance = 1e30) const;
 
