@@ -6,6 +6,8 @@ add_library(lfm_flags INTERFACE)
 target_compile_features(lfm_flags INTERFACE cxx_std_20)
 target_compile_options(lfm_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                                            -Wnon-virtual-dtor -fno-math-errno -ffp-contract=off)
+# GCC 12 warns of overlapping copies in plain string concatenation (its bug 105651).
+target_compile_options(lfm_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(LFM_WARNINGS_AS_ERRORS)
   target_compile_options(lfm_flags INTERFACE -Werror)
 endif()
@@ -27,12 +29,15 @@ function(lfm_stage name)
   target_link_libraries(lfm_${name} PUBLIC lfm_flags ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
 endfunction()
 
+add_custom_target(commands COMMENT "Every command of lfm")
+
 # lfm_command(NAME lfm-name SOURCES main.cpp LINK lfm_stage ...)
 function(lfm_command name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE lfm_flags ${ARG_LINK})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  add_dependencies(commands ${name})
 endfunction()
 
 # lfm_tests(stage SOURCES a_test.cpp ... LINK lfm_stage ...)
