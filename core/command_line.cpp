@@ -128,6 +128,14 @@ void CommandLine::Options(AnyOptions options, const std::string& group) {
   state_->options.push_back(options);
 }
 
+void CommandLine::Peek(int argc, char** argv) {
+  try {
+    state_->app.parse(argc, argv);
+  } catch (const CLI::ParseError&) {
+    // Run parses again and reports.
+  }
+}
+
 int CommandLine::State::Parse(int argc, char** argv, bool& go_on) {
   go_on = false;
   try {

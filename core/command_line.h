@@ -26,6 +26,10 @@ class CommandLine {
   /// Adds every declared option of a struct, under an optional group title shown by --help.
   void Options(AnyOptions options, const std::string& group = "");
 
+  /// Sets the declared values from the arguments and the config file without acting on them:
+  /// presets look at one option before the others get their defaults. Faults are left to Run.
+  void Peek(int argc, char** argv);
+
   /// Parses, installs signal handlers, runs `body`, and turns exceptions into one line on stderr
   /// ("lfm-scan: error: ...") and the exit status: 0; 2 for bad input or usage; 1 for our own
   /// failure or a full disk; 130 when interrupted. Also used for --help and --version (status 0).

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/evaluation.h"
+
+#include "calib/calib_files.h"
+#include "core/error.h"
+#include "core/json_reader.h"
+#include "core/ply.h"
+#include "encode/glb.h"
+#include "mesh/mesh_files.h"
+#include "pipeline/heldout.h"
+#include "pipeline/truth.h"
+#include "scan/scan_files.h"
+
+namespace lfm {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+PictureOf PhotographsOf(const Capture& capture) {
+  const ImageLoader load = MakeImageLoader(capture);
+  return [load](const PosedImage& photo) { return ToSrgb8(load(photo.file)); };
+}
+
+PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib) {
+  return [&surface, &calib](const PosedImage& photo) {
+    return RenderSilhouette(surface, calib.cameras.at(photo.camera), photo.camera_from_world);
+  };
+}
+
+// A file that the truth names for a photograph: its mask, or its picture without noise.
+PictureOf TruthPictures(const GroundTruth& truth, std::string Photo::*file) {
+  return [&truth, file](const PosedImage& posed) {
+    for (const Photo& photo : truth.capture.photos) {
+      if (photo.id != posed.id) continue;
+      const Image image = ToSrgb8(ReadImage(truth.capture.folder / (photo.*file)));
+      return file == &Photo::mask ? ToGray(image) : image;
+    }
+    throw Error((truth.capture.folder / "capture.json").string() + ": does not know photograph '" +
+                posed.id + "'");
+  };
+}
+
+json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const GroundTruth& truth) {
+  const PoseErrors poses = MeasurePoses(calib, truth);
+  json figures = {{"pose_median_mm", poses.median_mm},
+                  {"pose_median_deg", poses.median_deg},
+                  {"pose_max_mm", poses.max_mm},
+                  {"pose_max_deg", poses.max_deg}};
+  const GeometryJudge judge(truth);
+  if (fs::exists(workspace.Stage("scan") / "points.ply")) {
+    const PointErrors points =
+        judge.MeasurePoints(ReadPlyCloud(workspace.Stage("scan") / "points.ply"));
+    figures["points_median_mm"] = points.median_mm;
+    figures["points_p95_mm"] = points.p95_mm;
+    figures["points_over_1_mm_share"] = points.over_1_mm_share;
+    figures["points_completeness"] = points.completeness;
+    figures["seen_share"] = points.seen_share;
+  }
+  const MeshResult mesh = LoadMesh(workspace.Stage("mesh"));
+  const SurfaceErrors surface = judge.MeasureSurface(mesh.surface);
+  const SurfaceErrors decimated = judge.MeasureSurface(mesh.mesh);
+  figures["surface_mean_mm"] = surface.mean_mm;
+  figures["surface_p95_mm"] = surface.p95_mm;
+  figures["mesh_mean_mm"] = decimated.mean_mm;
+  figures["mesh_p95_mm"] = decimated.p95_mm;
+  return figures;
+}
+
+json WithForeground(json scores, Foreground foreground) {
+  scores["foreground"] =
+      foreground == Foreground::kTrueMask ? "true mask" : "silhouette of the dense surface";
+  return scores;
+}
+
+}  // namespace
+
+json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progress& progress) {
+  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
+  const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
+  return WithForeground(
+      ScoresToJson(ScoreModel(renderer, calib,
+                              {PhotographsOf(capture), SilhouettesOf(surface, calib)}, progress)),
+      Foreground::kSurfaceSilhouette);
+}
+
+json EvaluateWithTruth(const Capture& capture, const Workspace& workspace, Progress& progress) {
+  const GroundTruth truth = LoadGroundTruth(capture.folder);
+  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
+  const PictureOf masks = TruthPictures(truth, &Photo::mask);
+  const HeldoutScores noisy =
+      ScoreModel(renderer, calib, {PhotographsOf(capture), masks}, progress);
+  const HeldoutScores noise_free =
+      ScoreModel(renderer, calib, {TruthPictures(truth, &Photo::file), masks}, progress);
+  progress.Start("evaluate: geometry against the truth", 1);
+  json figures = TruthGeometry(workspace, calib, truth);
+  figures["heldout_psnr_noisefree_db"] = noise_free.psnr_db;
+  return {{"truth", figures},
+          {"evaluate", WithForeground(ScoresToJson(noisy), Foreground::kTrueMask)}};
+}
+
+json EvaluateImages(const Capture& capture, const Workspace& workspace, const fs::path& images,
+                    Foreground foreground, Progress& progress) {
+  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const PictureOf rendering = [&images](const PosedImage& photo) {
+    for (const char* ending : {".png", ".jpg"}) {
+      const fs::path file = images / (photo.id + ending);
+      if (fs::exists(file)) return ToSrgb8(ReadImage(file));
+    }
+    throw Error((images / (photo.id + ".png")).string() +
+                ": no such file; render every test photograph's camera");
+  };
+  if (foreground == Foreground::kTrueMask) {
+    const GroundTruth truth = LoadGroundTruth(capture.folder);
+    return WithForeground(
+        ScoresToJson(ScorePictures(rendering, calib,
+                                   {PhotographsOf(capture), TruthPictures(truth, &Photo::mask)},
+                                   progress)),
+        foreground);
+  }
+  const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
+  return WithForeground(
+      ScoresToJson(ScorePictures(
+          rendering, calib, {PhotographsOf(capture), SilhouettesOf(surface, calib)}, progress)),
+      foreground);
+}
+
+}  // namespace lfm

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "calib/calib.h"
+#include "core/capture.h"
+#include "core/image_metrics.h"
+#include "core/progress.h"
+#include "viewer/reference_renderer.h"
+
+namespace lfm {
+
+/// How one held-out photograph was shown.
+struct PhotoScore {
+  std::string id;
+  ImageDifference full, mean_only;
+};
+
+/// Figures over all held-out photographs. PSNR is that of the mean squared error over all their
+/// foreground pixels together; SSIM and APE are weighted by foreground pixels.
+struct HeldoutScores {
+  std::vector<PhotoScore> photos;
+  double psnr_db = 0, psnr_mean_only_db = 0, ssim = 0, ape = 0;
+  double psnr_mean_of_photos_db = 0;  ///< the literature's other habit
+};
+
+/// A picture for one photograph: its foreground mask (8 bit, one channel), or the reference.
+using PictureOf = std::function<Image(const PosedImage&)>;
+
+struct HeldoutPictures {
+  PictureOf reference;   ///< the photograph, 8-bit sRGB
+  PictureOf foreground;  ///< the mask (DESIGN 2): never the model's own coverage
+};
+
+/// Renders every test photograph's camera, lens distortion included, with all terms and with the
+/// mean view alone, and compares foreground pixels. Pixels that the model does not cover are black.
+/// Throws Error when the calibration has no test photograph.
+HeldoutScores ScoreModel(const ReferenceRenderer& renderer, const CalibResult& calib,
+                         const HeldoutPictures& pictures, Progress& progress);
+
+/// Scores pictures that anybody made: `rendering(photo)` for every test photograph. `mean_only` is
+/// left empty.
+HeldoutScores ScorePictures(const PictureOf& rendering, const CalibResult& calib,
+                            const HeldoutPictures& pictures, Progress& progress);
+
+/// What ScoreModel renders for one camera: what the report shows beside the photograph.
+Rendering RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
+                            const PosedImage& photo, int terms);
+
+/// {"heldout_psnr_db": ..., "photos": [...]}.
+nlohmann::json ScoresToJson(const HeldoutScores& scores);
+
+}  // namespace lfm

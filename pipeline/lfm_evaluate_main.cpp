@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <string>
+
+#include "core/atomic_file.h"
+#include "core/command_line.h"
+#include "core/json_reader.h"
+#include "pipeline/evaluation.h"
+#include "pipeline/pipeline.h"
+
+namespace {
+
+struct EvaluateOptions {
+  bool ground_truth = false;
+  std::string images;
+  void Declare(lfm::OptionVisitor& v) {
+    v.Flag({"ground-truth", "Compare with CAPTURE/ground_truth too (synthetic captures)."},
+           ground_truth);
+    v.Text({"images",
+            "Score this folder's pictures ID.png of the test photographs' cameras "
+            "instead of the model."},
+           images);
+  }
+};
+
+void PrintFigures(const char* group, const nlohmann::json& figures) {
+  for (const auto& [key, value] : figures.items()) {
+    if (value.is_number()) std::printf("%s.%s %.4f\n", group, key.c_str(), value.get<double>());
+    if (value.is_string()) {
+      std::printf("%s.%s %s\n", group, key.c_str(), value.get<std::string>().c_str());
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string capture_folder, work;
+  EvaluateOptions options;
+  lfm::CommandLine line("lfm-evaluate",
+                        "Says how good a model is on photographs that it never saw: renders the "
+                        "test photographs' cameras and compares foreground pixels.",
+                        "lfm-evaluate demo/capture demo/work --ground-truth");
+  line.Positional("capture", "Capture folder.", capture_folder);
+  line.Positional("work", "Workspace folder that lfm-pipeline filled.", work);
+  line.Options(lfm::AnyOptions(options));
+  return line.Run(argc, argv, [&](lfm::Progress& progress) {
+    const lfm::Capture capture = lfm::LoadCapture(capture_folder);
+    const lfm::Workspace workspace{work};
+    if (!options.images.empty()) {
+      PrintFigures("images",
+                   lfm::EvaluateImages(capture, workspace, options.images,
+                                       options.ground_truth ? lfm::Foreground::kTrueMask
+                                                            : lfm::Foreground::kSurfaceSilhouette,
+                                       progress));
+      return;
+    }
+    if (!options.ground_truth) {
+      PrintFigures("evaluate", lfm::EvaluateWorkspace(capture, workspace, progress));
+      return;
+    }
+    const nlohmann::json result = lfm::EvaluateWithTruth(capture, workspace, progress);
+    lfm::WriteJson(result, workspace.TruthFile());
+    lfm::RefreshReport(capture, workspace, progress);
+    PrintFigures("evaluate", result.at("evaluate"));
+    PrintFigures("truth", result.at("truth"));
+  });
+}

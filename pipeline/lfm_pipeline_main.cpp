@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <string>
+
+#include "core/command_line.h"
+#include "core/error.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/workspace.h"
+
+namespace {
+
+struct Arguments {
+  std::string action, capture;
+  lfm::PipelineOptions options;
+};
+
+void Declare(lfm::CommandLine& line, Arguments& arguments) {
+  line.Positional("action", "What to do: run.", arguments.action);
+  line.Positional("capture", "Capture folder, with capture.json.", arguments.capture);
+  line.Options(lfm::AnyOptions(arguments.options));
+  line.Options(lfm::AnyOptions(arguments.options.calib), "Cameras (calib)");
+  line.Options(lfm::AnyOptions(arguments.options.scan), "Scans (scan)");
+  line.Options(lfm::AnyOptions(arguments.options.mesh), "Surface (mesh)");
+  line.Options(lfm::AnyOptions(arguments.options.resample), "Resampling (resample)");
+  line.Options(lfm::AnyOptions(arguments.options.encode), "Light field maps (encode)");
+}
+
+lfm::CommandLine MakeCommandLine() {
+  return lfm::CommandLine(
+      "lfm-pipeline",
+      "Runs every stage from a capture to a light field and a report of how good it is. Stages "
+      "whose inputs and options are unchanged are skipped.",
+      "lfm-pipeline run demo/capture --out demo/work --terms 3");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  {
+    // The effort decides the defaults of all other options, so it is read before them.
+    Arguments peeked;
+    lfm::CommandLine line = MakeCommandLine();
+    Declare(line, peeked);
+    line.Peek(argc, argv);
+    arguments.options = lfm::PresetOptions(peeked.options.effort);
+  }
+  lfm::CommandLine line = MakeCommandLine();
+  Declare(line, arguments);
+  return line.Run(argc, argv, [&arguments](lfm::Progress& progress) {
+    if (arguments.action != "run") {
+      throw lfm::Error("unknown action '" + arguments.action + "'; use: lfm-pipeline run CAPTURE");
+    }
+    const lfm::PipelineSummary summary =
+        lfm::RunPipeline(arguments.capture, arguments.options, progress);
+    const lfm::Workspace workspace{arguments.options.out};
+    for (const auto& [stage, record] : summary.stages) {
+      if (stage == "evaluate") {
+        std::printf("held-out PSNR %.2f dB (mean view alone %.2f dB)\n",
+                    record.figures.value("heldout_psnr_db", 0.0),
+                    record.figures.value("heldout_psnr_mean_only_db", 0.0));
+      }
+      if (stage == "encode") std::printf("model   %s\n", workspace.ModelFile().c_str());
+      if (stage == "report") {
+        std::printf("report  %s\n", (workspace.Stage("report") / "index.html").c_str());
+      }
+    }
+  });
+}

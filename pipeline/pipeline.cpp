@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/pipeline.h"
+
+#include <array>
+#include <cmath>
+
+#include "calib/board.h"
+#include "calib/calib_files.h"
+#include "core/capture.h"
+#include "core/error.h"
+#include "core/json_reader.h"
+#include "core/ply.h"
+#include "encode/glb.h"
+#include "mesh/mesh_files.h"
+#include "pipeline/evaluation.h"
+#include "pipeline/report.h"
+#include "pipeline/workspace.h"
+#include "scan/scan_files.h"
+
+namespace lfm {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+// Everything that the jobs of one run share.
+struct Run {
+  Capture capture;
+  Workspace workspace;
+  PipelineOptions options;
+  Progress& progress;
+
+  std::vector<fs::path> PhotoFiles() const {
+    std::vector<fs::path> files;
+    for (const Photo& photo : capture.photos) {
+      files.push_back(capture.folder / photo.file);
+      if (!photo.mask.empty()) files.push_back(capture.folder / photo.mask);
+    }
+    return files;
+  }
+  std::vector<fs::path> ScannerFiles() const {
+    std::vector<fs::path> files;
+    if (!capture.scanner) return files;
+    for (const auto* sets : {&capture.scanner->scans, &capture.scanner->placements}) {
+      for (const ScanSet& set : *sets) {
+        for (const std::string& frame : set.frames) files.push_back(capture.folder / frame);
+      }
+    }
+    return files;
+  }
+  // The manifest decides every stage; the board the calibration.
+  std::vector<fs::path> ManifestFiles() const {
+    std::vector<fs::path> files = {capture.folder / "capture.json"};
+    if (!capture.board.empty()) files.push_back(capture.folder / capture.board);
+    return files;
+  }
+};
+
+// By value: declaring options hands out references to them.
+template <typename Options>
+json ToJson(Options options) {
+  return OptionsToJson(AnyOptions(options));
+}
+
+template <typename... Lists>
+std::vector<fs::path> Join(const Lists&... lists) {
+  std::vector<fs::path> all;
+  (all.insert(all.end(), lists.begin(), lists.end()), ...);
+  return all;
+}
+
+json RejectedToJson(const std::vector<std::pair<std::string, std::string>>& rejected) {
+  json list = json::array();
+  for (const auto& [id, reason] : rejected) list.push_back({{"id", id}, {"reason", reason}});
+  return list;
+}
+
+json CalibFigures(const CalibResult& result) {
+  std::vector<std::pair<std::string, std::string>> rejected;
+  for (const RejectedImage& r : result.rejected) rejected.emplace_back(r.id, r.reason);
+  return {{"photos_used", result.photos.size()},
+          {"photos_rejected", result.rejected.size()},
+          {"reprojection_rms_px", result.reprojection_rms_px},
+          {"corner_noise_px", result.corner_noise_px},
+          {"rejected", RejectedToJson(rejected)}};
+}
+
+StageJob CalibJob(const Run& run) {
+  return {"calib", ToJson(run.options.calib),
+          Join(run.ManifestFiles(), run.PhotoFiles(), run.ScannerFiles()),
+          [&run](const fs::path& folder) {
+            const CalibResult result =
+                run.capture.BringsGeometry()
+                    ? CalibFromCapture(run.capture)
+                    : Calibrate(run.capture, ReadBoard(run.capture.folder / run.capture.board),
+                                MakeImageLoader(run.capture), run.options.calib, run.progress);
+            SaveCalib(result, folder);
+            for (const RejectedImage& r : result.rejected) {
+              run.progress.Note("set aside: " + r.id + ": " + r.reason);
+            }
+            return CalibFigures(result);
+          }};
+}
+
+StageJob ScanJob(const Run& run) {
+  return {"scan", ToJson(run.options.scan),
+          Join(run.ManifestFiles(), run.ScannerFiles(),
+               std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
+                                     run.workspace.Stage("calib") / "poses.json"}),
+          [&run](const fs::path& folder) -> json {
+            if (run.capture.BringsGeometry()) return {{"points", 0}, {"brought", true}};
+            const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
+            const ScanResult result =
+                Scan(run.capture, ReadBoard(run.capture.folder / run.capture.board), calib,
+                     MakeImageLoader(run.capture), run.options.scan, run.progress);
+            SaveScan(result, folder);
+            std::vector<std::pair<std::string, std::string>> rejected;
+            for (const ScanFailure& f : result.rejected) {
+              rejected.emplace_back(f.id, f.reason);
+              run.progress.Note("set aside: " + f.id + ": " + f.reason);
+            }
+            return {{"points", result.points.points.size()},
+                    {"scans_used", result.scans.size()},
+                    {"projector_rms_px", result.rig.projector_rms_px},
+                    {"condition", result.rig.condition},
+                    {"rejected", RejectedToJson(rejected)}};
+          }};
+}
+
+StageJob MeshJob(const Run& run) {
+  std::vector<fs::path> inputs = {run.workspace.Stage("calib") / "cameras.json",
+                                  run.workspace.Stage("calib") / "poses.json"};
+  if (run.capture.BringsGeometry()) {
+    inputs.push_back(run.capture.folder / run.capture.mesh);
+  } else {
+    inputs.push_back(run.workspace.Stage("scan") / "points.ply");
+  }
+  return {"mesh", ToJson(run.options.mesh), inputs, [&run](const fs::path& folder) -> json {
+            const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
+            const MeshResult result =
+                run.capture.BringsGeometry()
+                    ? PrepareGivenMesh(ReadPlyMesh(run.capture.folder / run.capture.mesh), calib,
+                                       run.options.mesh, run.progress)
+                    : BuildMesh(LoadScan(run.workspace.Stage("scan")).points, calib,
+                                run.options.mesh, run.progress);
+            SaveMesh(result, folder);
+            const MeshTopology topology = ExamineTopology(result.mesh);
+            return {{"vertices", result.mesh.vertices.size()},
+                    {"triangles", result.mesh.triangles.size()},
+                    {"closed_manifold", topology.closed},
+                    {"surface_triangles", result.surface.triangles.size()},
+                    {"surface_closed_manifold", ExamineTopology(result.surface).closed},
+                    {"pixel_mm", result.pixel_mm},
+                    {"deviation_mean_mm", result.deviation_mean_mm},
+                    {"deviation_p95_mm", result.deviation_p95_mm}};
+          }};
+}
+
+StageJob ResampleJob(const Run& run) {
+  return {
+      "resample", ToJson(run.options.resample),
+      Join(run.PhotoFiles(), std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
+                                                   run.workspace.Stage("calib") / "poses.json",
+                                                   run.workspace.Stage("mesh") / "surface.ply",
+                                                   run.workspace.Stage("mesh") / "mesh.ply"}),
+      [&run](const fs::path& folder) -> json {
+        const MeshResult mesh = LoadMesh(run.workspace.Stage("mesh"));
+        const ResampleResult result =
+            Resample(run.capture, LoadCalib(run.workspace.Stage("calib")), mesh.surface, mesh.mesh,
+                     MakeImageLoader(run.capture), run.options.resample, folder / "light_field.lfs",
+                     run.progress);
+        return {{"mean_visible_views", result.mean_visible_views},
+                {"samples_per_triangle", result.samples_per_triangle},
+                {"dense_bytes", result.dense_bytes},
+                {"unseen_triangles", result.unseen_triangles},
+                {"saturated_share", result.saturated_share},
+                {"seen_directions_share", result.seen_directions_share}};
+      }};
+}
+
+StageJob EncodeJob(const Run& run) {
+  return {"encode",
+          ToJson(run.options.encode),
+          {run.workspace.LightFieldFile()},
+          [&run](const fs::path& folder) -> json {
+            const EncodeResult result = Encode(LightField::Open(run.workspace.LightFieldFile()),
+                                               run.options.encode, run.progress);
+            const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
+            return {{"terms_mean", result.terms_mean},
+                    {"terms_max", result.terms_max},
+                    {"model_bytes", model_bytes},
+                    {"maps_bytes", result.maps_bytes},
+                    {"compression_ratio", result.compression_ratio},
+                    {"matrix_psnr_db", result.matrix_psnr_db},
+                    {"singular_value_share", result.singular_value_share}};
+          }};
+}
+
+StageJob EvaluateJob(const Run& run) {
+  std::vector<fs::path> test_files;
+  for (const Photo& photo : run.capture.photos) {
+    if (photo.split == PhotoSplit::kTest) test_files.push_back(run.capture.folder / photo.file);
+  }
+  return {"evaluate", json::object(),
+          Join(test_files, std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
+                                                 run.workspace.Stage("calib") / "poses.json",
+                                                 run.workspace.Stage("mesh") / "surface.ply",
+                                                 run.workspace.ModelFile()}),
+          [&run](const fs::path& folder) -> json {
+            const json scores = EvaluateWorkspace(run.capture, run.workspace, run.progress);
+            WriteJson(scores, folder / "evaluation.json");
+            return scores;
+          }};
+}
+
+StageJob ReportJob(const Run& run) {
+  std::vector<fs::path> inputs;
+  for (const char* stage : kStages) {
+    if (std::string(stage) != "report") inputs.push_back(run.workspace.Stage(stage) / "stage.json");
+  }
+  inputs.push_back(run.workspace.TruthFile());
+  return {"report", json::object(), inputs, [&run](const fs::path& folder) -> json {
+            WriteReport(run.capture, run.workspace, folder, run.progress);
+            return json::object();
+          }};
+}
+
+}  // namespace
+
+void RefreshReport(const Capture& capture, const Workspace& workspace, Progress& progress) {
+  const Run run{capture, workspace, {}, progress};
+  RunOrSkip(workspace.folder, ReportJob(run));
+}
+
+PipelineOptions PresetOptions(Effort effort) {
+  PipelineOptions options;
+  options.effort = effort;
+  switch (effort) {
+    case Effort::kFast:
+      options.mesh.poisson_depth = 8;
+      options.mesh.tolerance_px = 1.0;
+      options.resample.view_grid = 16;
+      break;
+    case Effort::kBalanced:
+      break;
+    case Effort::kBest:
+      options.mesh.tolerance_px = 0.35;
+      options.encode.terms = 5;
+      break;
+  }
+  return options;
+}
+
+PipelineSummary RunPipeline(const fs::path& capture_folder, const PipelineOptions& options,
+                            Progress& progress) {
+  const int from = StageIndex(options.from), to = StageIndex(options.to);
+  if (from > to) throw Error("--from " + options.from + " lies behind --to " + options.to);
+  const Run run{LoadCapture(capture_folder), {options.out}, options, progress};
+  if (run.capture.board.empty() && !run.capture.BringsGeometry()) {
+    throw Error((capture_folder / "capture.json").string() +
+                ": has neither a platform (\"board\") nor its own cameras, poses and mesh");
+  }
+  for (int stage = 0; stage < from; ++stage) ReadStageRecord(run.workspace.folder, kStages[stage]);
+  const std::array<StageJob, kStages.size()> jobs = {
+      CalibJob(run),  ScanJob(run),     MeshJob(run),  ResampleJob(run),
+      EncodeJob(run), EvaluateJob(run), ReportJob(run)};
+  PipelineSummary summary;
+  for (int stage = from; stage <= to; ++stage) {
+    const StageRecord record = RunOrSkip(run.workspace.folder, jobs[stage]);
+    progress.Note(std::string(kStages[stage]) + ": " +
+                  (record.skipped ? "unchanged"
+                                  : std::to_string(std::lround(record.elapsed_in_seconds)) + " s"));
+    summary.stages.emplace_back(kStages[stage], record);
+  }
+  return summary;
+}
+
+}  // namespace lfm

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/capture.h"
+#include "core/progress.h"
+#include "pipeline/workspace.h"
+
+namespace lfm {
+
+/// All figures of a workspace as nested objects (docs/formats.md, report.json): one object a stage,
+/// `time`, `memory`, and `truth` once lfm-evaluate --ground-truth has run. When it has, `evaluate`
+/// is counted over the true masks.
+nlohmann::json CollectReport(const Workspace& workspace);
+
+/// Writes `folder/report.json`, `folder/index.html` and `folder/pictures/`: every stage's figures
+/// and pictures on one page.
+void WriteReport(const Capture& capture, const Workspace& workspace,
+                 const std::filesystem::path& folder, Progress& progress);
+
+}  // namespace lfm
