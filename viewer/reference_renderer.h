@@ -14,24 +14,35 @@ namespace lfm {
 
 struct RenderOptions {
   EvaluationOptions evaluation;
-  int samples_per_side = 1;                ///< supersampling: this many squared rays a pixel
-  Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded
+  int samples_per_side = 1;                ///< supersampling: this many squared rays a pixel, 1-16
+  Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded, [0, 1]
 };
 
 /// A rendered view.
 struct Rendering {
   Image color;     ///< 8-bit sRGB RGB, over the background
   Image coverage;  ///< 8-bit, one channel: share of the pixel's rays that hit the model
+  /// 8-bit sRGB RGBA: the model alone, straight alpha = coverage; (0, 0, 0, 0) where nothing is
+  /// hit.
+  Image layer;
 };
 
 /// Defines what a model looks like: one Embree ray a sample through the camera's full lens model,
-/// exact evaluation (encode/model_evaluation.h), view direction a pixel.
+/// exact evaluation (encode/model_evaluation.h), view direction a sample.
+///
+/// With samples_per_side = n, the n x n rays of pixel (x, y) go through
+/// (x - 1/2 + (i + 1/2) / n, y - 1/2 + (j + 1/2) / n); one ray goes through the centre. Samples,
+/// and the model and the background at silhouettes, are averaged in linear light, as a sensor does.
+/// Surfaces are shown from both sides. A picture without a hit is all background.
 class ReferenceRenderer {
  public:
+  /// Throws Error when the model's mesh has no triangle or its tables do not fit each other.
   explicit ReferenceRenderer(LightFieldModel model);
   ~ReferenceRenderer();
   ReferenceRenderer(ReferenceRenderer&&) noexcept;
   const LightFieldModel& model() const;
+  /// Parallel over rows; the bytes do not depend on the number of threads. Throws Error when the
+  /// camera or the options are out of range, or the lens model folds inside the picture.
   Rendering Render(const Camera& camera, const Pose& camera_from_world,
                    const RenderOptions& options, Progress& progress) const;
 
@@ -40,7 +51,8 @@ class ReferenceRenderer {
   std::unique_ptr<State> state_;
 };
 
-/// 8-bit mask, one channel, 255 where the ray through a pixel's centre hits the mesh.
+/// 8-bit mask, one channel, 255 where the ray through a pixel's centre hits the mesh. Throws Error
+/// when the camera is invalid or the mesh has no triangle.
 Image RenderSilhouette(const TriangleMesh& mesh, const Camera& camera,
                        const Pose& camera_from_world);
 

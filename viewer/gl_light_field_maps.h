@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "encode/model.h"
+#include "viewer/gl_objects.h"
+
+namespace lfm {
+
+/// A model's maps and tables as textures of the current OpenGL context.
+///
+/// Pages are layers of texture arrays: mean page p is layer p; page p of term k is layer
+/// k * pages + p. Tables are float textures kTableWidth texels wide, entry i at texel
+/// (i % kTableWidth, i / kTableWidth): the axes x, y, z of vertex v's frame at entries 3 v + 0, 1,
+/// 2; (surface scale, surface bias, view scale, view bias) of vertex v and term k at k * V + v,
+/// zero where the vertex has no such term.
+struct GlLightFieldMaps {
+  static constexpr int kTableWidth = 1024;
+
+  GlObject mean, surface, view;           ///< GL_TEXTURE_2D_ARRAY, RGB8, bilinear, clamped
+  GlObject frames, ranges;                ///< GL_TEXTURE_2D, RGBA32F
+  int surface_pages = 0, view_pages = 0;  ///< layers a term
+};
+
+/// Uploads. Throws Error when a page or the number of pages exceeds the driver's limits (encode
+/// again with another --max-texture-size), or the memory is not there.
+GlLightFieldMaps UploadMaps(const LightFieldModel& model);
+
+}  // namespace lfm

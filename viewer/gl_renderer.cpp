@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Chen 2002, section 3, in one pass: what took a pass a map there is a loop over terms in the
+// fragment shader here, so that nothing is rounded or clamped between terms.
+#include "viewer/gl_renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "viewer/gl_light_field_maps.h"
+#include "viewer/gl_objects.h"
+#include "viewer/shaders.h"
+
+namespace lfm {
+namespace {
+
+/// One corner of one triangle as the vertex shader gets it.
+struct CornerVertex {
+  std::array<float, 3> position;  ///< mm, relative to the mesh's centre
+  std::array<float, 2> texel;     ///< in the surface page; texel centres at integers
+  int32_t page;
+  std::array<int32_t, 3> corners;  ///< the triangle's vertices
+};
+
+Eigen::Vector2d CornerTexel(const PatchPlacement& placement, int corner) {
+  const double last = placement.edge_samples - 1;
+  const Eigen::Vector2d sample(corner == 1 ? last : 0, corner == 2 ? last : 0);
+  return placement.origin.cast<double>() + (placement.flipped ? -sample : sample);
+}
+
+std::vector<CornerVertex> MakeCornerVertices(const LightFieldModel& model,
+                                             const Eigen::Vector3d& center) {
+  std::vector<CornerVertex> vertices;
+  vertices.reserve(3 * model.mesh.triangles.size());
+  for (size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+    const Eigen::Vector3i& triangle = model.mesh.triangles[t];
+    const PatchPlacement& placement = model.placements[t];
+    for (int corner = 0; corner < 3; ++corner) {
+      const Eigen::Vector3f position =
+          (model.mesh.vertices[triangle[corner]] - center).cast<float>();
+      const Eigen::Vector2f texel = CornerTexel(placement, corner).cast<float>();
+      vertices.push_back({{position.x(), position.y(), position.z()},
+                          {texel.x(), texel.y()},
+                          placement.page,
+                          {triangle[0], triangle[1], triangle[2]}});
+    }
+  }
+  return vertices;
+}
+
+void UploadVertices(const GlObject& array, const GlObject& buffer,
+                    const std::vector<CornerVertex>& vertices) {
+  glBindVertexArray(array.name());
+  glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(CornerVertex)),
+               vertices.data(), GL_STATIC_DRAW);
+  const auto offset = [](size_t bytes) { return reinterpret_cast<const void*>(bytes); };
+  constexpr GLsizei kStride = sizeof(CornerVertex);
+  for (GLuint location = 0; location < 4; ++location) glEnableVertexAttribArray(location);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kStride,
+                        offset(offsetof(CornerVertex, position)));
+  glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(CornerVertex, texel)));
+  glVertexAttribIPointer(2, 1, GL_INT, kStride, offset(offsetof(CornerVertex, page)));
+  glVertexAttribIPointer(3, 3, GL_INT, kStride, offset(offsetof(CornerVertex, corners)));
+  glBindVertexArray(0);
+  CheckGl("upload the triangles");
+}
+
+/// Clip space of a pinhole: pixel centres at integers in the picture, at halves in the window,
+/// whose rows count from the bottom.
+Eigen::Matrix4d ClipFromCamera(const Camera& camera, double near, double far) {
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip(0, 0) = 2 * camera.fx / camera.width;
+  clip(0, 2) = 2 * (camera.cx + 0.5) / camera.width - 1;
+  clip(1, 1) = -2 * camera.fy / camera.height;
+  clip(1, 2) = 1 - 2 * (camera.cy + 0.5) / camera.height;
+  clip(2, 2) = (far + near) / (far - near);
+  clip(2, 3) = -2 * far * near / (far - near);
+  clip(3, 2) = 1;
+  return clip;
+}
+
+Eigen::Matrix4d CameraFromModel(const Pose& camera_from_world, const Eigen::Vector3d& center) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = camera_from_world.rotation;
+  matrix.topRightCorner<3, 1>() = camera_from_world * center;
+  return matrix;
+}
+
+void SetSampler(GLuint program, const char* name, GLint unit, GLenum target,
+                const GlObject& texture) {
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindTexture(target, texture.name());
+  glUniform1i(glGetUniformLocation(program, name), unit);
+}
+
+void SetInteger(GLuint program, const char* name, int value) {
+  glUniform1i(glGetUniformLocation(program, name), value);
+}
+
+}  // namespace
+
+struct GlRenderer::State {
+  GlLightFieldMaps maps;
+  GlObject program, vertex_array, vertex_buffer;
+  Eigen::Vector3d center;
+  double radius = 1;  ///< of the mesh round center, mm
+  int corner_count = 0, vertex_count = 0;
+  int terms = 0, grid = 2, view_tiles_per_row = 1, view_tiles_per_page = 1;
+  DirectionMap direction_map = DirectionMap::kHemiOctahedral;
+};
+
+GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<State>()) {
+  RequireGl33();
+  ValidateMesh(model.mesh, "the model");
+  Eigen::Vector3d low = model.mesh.vertices[0], high = low;
+  for (const Eigen::Vector3d& vertex : model.mesh.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  state_->center = (low + high) / 2;
+  state_->radius = std::max((high - low).norm() / 2, 1e-6);
+  state_->program = MakeProgram(shaders::kLightFieldVertex, shaders::kLightFieldFragment,
+                                {"position", "texel", "page", "corners"});
+  state_->maps = UploadMaps(model);
+  const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->center);
+  state_->corner_count = static_cast<int>(vertices.size());
+  state_->vertex_array = GlObject(GlObject::Kind::kVertexArray);
+  state_->vertex_buffer = GlObject(GlObject::Kind::kBuffer);
+  UploadVertices(state_->vertex_array, state_->vertex_buffer, vertices);
+  state_->vertex_count = static_cast<int>(model.mesh.vertices.size());
+  state_->terms = model.terms;
+  state_->grid = model.grid;
+  state_->view_tiles_per_row = std::max(model.view_tiles_per_row, 1);
+  state_->view_tiles_per_page = std::max(model.view_tiles_per_page, 1);
+  state_->direction_map = model.direction_map;
+}
+GlRenderer::~GlRenderer() = default;
+GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
+
+void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
+                      const GlRenderOptions& options) const {
+  ValidateCamera(camera, "the camera to draw");
+  if (camera.HasDistortion()) {
+    throw Error("OpenGL draws pinhole pictures and this camera's lens distorts; use lfm-render");
+  }
+  const double depth = (camera_from_world * state_->center).z();
+  const double far = std::max(depth + 1.01 * state_->radius, 1e-3 * state_->radius);
+  const double near = std::max(depth - 1.01 * state_->radius, 1e-3 * far);
+  const Eigen::Matrix4f clip_from_model =
+      (ClipFromCamera(camera, near, far) * CameraFromModel(camera_from_world, state_->center))
+          .cast<float>();
+  const Eigen::Vector3f eye = (camera_from_world.Center() - state_->center).cast<float>();
+
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_DITHER);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glClearColor(options.background[0], options.background[1], options.background[2], 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+  const GLuint program = state_->program.name();
+  glUseProgram(program);
+  SetSampler(program, "mean_maps", 0, GL_TEXTURE_2D_ARRAY, state_->maps.mean);
+  SetSampler(program, "surface_maps", 1, GL_TEXTURE_2D_ARRAY, state_->maps.surface);
+  SetSampler(program, "view_maps", 2, GL_TEXTURE_2D_ARRAY, state_->maps.view);
+  SetSampler(program, "frames", 3, GL_TEXTURE_2D, state_->maps.frames);
+  SetSampler(program, "ranges", 4, GL_TEXTURE_2D, state_->maps.ranges);
+  glUniformMatrix4fv(glGetUniformLocation(program, "clip_from_model"), 1, GL_FALSE,
+                     clip_from_model.data());
+  glUniform3fv(glGetUniformLocation(program, "eye"), 1, eye.data());
+  SetInteger(program, "terms", std::clamp(options.evaluation.terms, 0, state_->terms));
+  SetInteger(program, "vertex_count", state_->vertex_count);
+  SetInteger(program, "grid", state_->grid);
+  SetInteger(program, "surface_pages", state_->maps.surface_pages);
+  SetInteger(program, "view_pages", state_->maps.view_pages);
+  SetInteger(program, "view_tiles_per_row", state_->view_tiles_per_row);
+  SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
+  SetInteger(program, "table_width", GlLightFieldMaps::kTableWidth);
+  SetInteger(program, "orthographic", state_->direction_map == DirectionMap::kOrthographic);
+  SetInteger(program, "view_coordinates_per_vertex",
+             options.view_coordinates == ViewCoordinates::kPerVertex);
+  SetInteger(program, "wireframe", options.edges == EdgeOverlay::kWireframe);
+  glBindVertexArray(state_->vertex_array.name());
+  glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
+  glBindVertexArray(0);
+  glUseProgram(0);
+  CheckGl("draw the model");
+}
+
+}  // namespace lfm

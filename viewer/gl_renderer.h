@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "core/camera.h"
+#include "core/pose.h"
+#include "encode/model.h"
+#include "encode/model_evaluation.h"
+
+namespace lfm {
+
+/// Where the direction of view is turned into view map coordinates.
+enum class ViewCoordinates {
+  kPerPixel,   ///< exact, as the reference renderer does
+  kPerVertex,  ///< the paper's form (Equation 7): at the corners, interpolated over the triangle
+};
+
+enum class EdgeOverlay { kNone, kWireframe };
+
+struct GlRenderOptions {
+  EvaluationOptions evaluation;
+  ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel;
+  EdgeOverlay edges = EdgeOverlay::kNone;
+  Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded
+};
+
+/// Draws a model with OpenGL 3.3: all terms in one pass, float arithmetic on sRGB-coded values,
+/// clamped at the end (Chen 2002, Equation 6). Needs a current context, the same one for its whole
+/// life. Agrees with ReferenceRenderer but for the precision of the texture units' bilinear
+/// filter (8 bits of weight), and at silhouettes within one pixel.
+class GlRenderer {
+ public:
+  /// Uploads the model; it is not needed afterwards. Throws Error as UploadMaps does, and (kSystem)
+  /// when the context is older than 3.3.
+  explicit GlRenderer(const LightFieldModel& model);
+  ~GlRenderer();
+  GlRenderer(GlRenderer&&) noexcept;
+
+  /// Clears the bound framebuffer, whose viewport is camera.width x camera.height, and draws.
+  /// Throws Error when the camera has lens distortion: a rasteriser draws pinhole pictures only.
+  void Draw(const Camera& camera, const Pose& camera_from_world,
+            const GlRenderOptions& options) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lfm

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <string>
+
+#include "core/command_line.h"
+#include "encode/glb.h"
+#include "viewer/view_options.h"
+#include "viewer/viewer_app.h"
+
+int main(int argc, char** argv) {
+  std::string model_file;
+  lfm::ViewOptions view;
+  lfm::ViewerOptions options;
+  lfm::CommandLine command("lfm-viewer",
+                           "Shows a model in a window: walk round it, change the number of terms, "
+                           "save pictures.",
+                           "lfm-viewer demo/work/encode/model.glb --elevation 30");
+  command.Positional("MODEL", "The model, a .glb file.", model_file);
+  command.Options(lfm::AnyOptions(view), "View");
+  command.Options(lfm::AnyOptions(options), "Window");
+  return command.Run(
+      argc, argv, [&](lfm::Progress&) { lfm::RunViewer(lfm::ReadGlb(model_file), view, options); });
+}

@@ -1,0 +1,55 @@
+#version 330 core
+// SPDX-License-Identifier: BSD-3-Clause
+// One corner of a triangle: where it is, and the direction to the eye in the frames of all three
+// corners. That vector, before it is normalised, is linear over the triangle: interpolating it and
+// normalising a pixel is exact.
+
+in vec3 position;  // mm, relative to the mesh's centre
+in vec2 texel;     // in the surface page
+in int page;
+in ivec3 corners;  // the triangle's vertices
+
+uniform mat4 clip_from_model;
+uniform vec3 eye;
+uniform sampler2D frames;
+uniform int table_width;
+uniform int grid;
+uniform int view_tiles_per_row;
+uniform int view_tiles_per_page;
+uniform int orthographic;
+uniform int view_coordinates_per_vertex;
+
+centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (square position, 0)
+centroid out vec2 patch_texel;
+centroid out vec3 corner_weights;
+flat out int patch_page;
+flat out ivec3 patch_corners;
+flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
+
+vec3 FrameAxis(int vertex, int axis) {
+  int entry = 3 * vertex + axis;
+  return texelFetch(frames, ivec2(entry % table_width, entry / table_width), 0).xyz;
+}
+
+//#include square_from_direction
+
+void main() {
+  gl_Position = clip_from_model * vec4(position, 1.0);
+  patch_texel = texel;
+  patch_page = page;
+  patch_corners = corners;
+  int corner = gl_VertexID % 3;
+  corner_weights = vec3(corner == 0, corner == 1, corner == 2);
+  vec3 to_eye = eye - position;
+  for (int j = 0; j < 3; ++j) {
+    int v = corners[j];
+    vec3 in_frame =
+        vec3(dot(FrameAxis(v, 0), to_eye), dot(FrameAxis(v, 1), to_eye), dot(FrameAxis(v, 2), to_eye));
+    view_vector[j] = view_coordinates_per_vertex != 0
+                         ? vec3(SquareFromDirection(normalize(in_frame), orthographic != 0), 0.0)
+                         : in_frame;
+    int in_page = v % view_tiles_per_page;
+    view_tile[j] = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
+                         v / view_tiles_per_page);
+  }
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/options.h"
+#include "encode/model.h"
+#include "viewer/view_options.h"
+
+namespace lfm {
+
+struct ViewerOptions {
+  bool wireframe = false;
+  bool view_coordinates_per_vertex = false;
+  int multisample = 4;
+  std::string screenshot;
+  int frames = 3;
+  bool with_panel = false;
+  void Declare(OptionVisitor& v) {
+    v.Flag({"wireframe", "Draw the triangles' edges."}, wireframe);
+    v.Flag({"view-coordinates-per-vertex",
+            "Take view map coordinates at the corners, as the paper does: faster, less exact."},
+           view_coordinates_per_vertex);
+    v.Integer({"multisample", "Samples a pixel: smoother edges against time.", "", 1, 16},
+              multisample);
+    v.Text({"screenshot", "Save a picture (.png) of the first view here and leave."}, screenshot);
+    v.Integer({"frames", "With --screenshot: draw this many frames first.", "", 1, 100000}, frames);
+    v.Flag({"with-panel", "With --screenshot: the picture shows the panel, too."}, with_panel);
+  }
+};
+
+/// Opens a window on `model` and returns when the user closes it, or, with a screenshot file, when
+/// that is written (the window stays hidden then). Throws Error when there is no display or no
+/// OpenGL 3.3, or the picture cannot be written; Interrupted on Ctrl-C.
+void RunViewer(const LightFieldModel& model, const ViewOptions& view, const ViewerOptions& options);
+
+}  // namespace lfm
