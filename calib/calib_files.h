@@ -11,7 +11,9 @@ namespace lfm {
 void SaveCalib(const CalibResult& result, const std::filesystem::path& folder);
 /// The inverse; throws Error on missing, malformed or non-finite content.
 CalibResult LoadCalib(const std::filesystem::path& folder);
-/// The calibration that a capture brings along (`Capture::BringsGeometry`).
+/// The calibration that a capture brings along (`Capture::BringsGeometry`): its intrinsics and
+/// poses as they are, covariances and residuals zero, scans as far as their poses are given. Throws
+/// Error when a camera's intrinsics or a photograph's pose is missing.
 CalibResult CalibFromCapture(const Capture& capture);
 
 }  // namespace lfm

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calib/board_match.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "calib/homography.h"
+
+namespace lfm {
+namespace {
+
+constexpr double kMaxErrorInTags = 1.0 / 3;
+constexpr double kMinAgreeingShare = 2.0 / 3;
+// All pairs of the usual two dozen tags; on larger boards an even selection of pairs does.
+constexpr size_t kMaxPairs = 600;
+
+struct SeenTag {
+  std::array<Eigen::Vector2d, 4> points_mm, pixels;
+  double side_px = 0;
+};
+
+std::vector<SeenTag> SelectBoardTags(const Board& board,
+                                     const std::vector<TagDetection>& detections) {
+  std::map<int, const BoardTag*> tag_of_id;
+  for (const BoardTag& tag : board.tags) tag_of_id[tag.id] = &tag;
+  std::vector<SeenTag> seen;
+  for (const TagDetection& detection : detections) {
+    const auto it = tag_of_id.find(detection.id);
+    if (it == tag_of_id.end()) continue;
+    SeenTag tag;
+    const std::array<Eigen::Vector3d, 4> corners = board.TagCorners(*it->second);
+    tag.pixels = detection.corners;
+    for (int c = 0; c < 4; ++c) {
+      tag.points_mm[c] = corners[c].head<2>();
+      tag.side_px += (tag.pixels[(c + 1) % 4] - tag.pixels[c]).norm() / 4;
+    }
+    seen.push_back(tag);
+  }
+  return seen;
+}
+
+std::optional<Eigen::Matrix3d> HomographyOf(const std::vector<SeenTag>& seen,
+                                            const std::vector<size_t>& selection) {
+  std::vector<Eigen::Vector2d> from, to;
+  for (const size_t i : selection) {
+    from.insert(from.end(), seen[i].points_mm.begin(), seen[i].points_mm.end());
+    to.insert(to.end(), seen[i].pixels.begin(), seen[i].pixels.end());
+  }
+  return FitHomography(from, to);
+}
+
+std::vector<size_t> Agreeing(const std::vector<SeenTag>& seen, const Eigen::Matrix3d& h) {
+  std::vector<size_t> agreeing;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    bool agrees = true;
+    for (int c = 0; c < 4; ++c) {
+      const double error = (MapByHomography(h, seen[i].points_mm[c]) - seen[i].pixels[c]).norm();
+      // A point on the line at infinity has error NaN, which agrees with nothing.
+      agrees = agrees && error <= kMaxErrorInTags * seen[i].side_px;
+    }
+    if (agrees) agreeing.push_back(i);
+  }
+  return agreeing;
+}
+
+std::vector<size_t> LargestAgreement(const std::vector<SeenTag>& seen) {
+  const size_t n = seen.size();
+  const size_t stride = std::max<size_t>(1, n * (n - 1) / 2 / kMaxPairs);
+  std::vector<size_t> best;
+  size_t pair = 0;
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t j = i + 1; j < n; ++j, ++pair) {
+      if (pair % stride != 0) continue;
+      const std::optional<Eigen::Matrix3d> h = HomographyOf(seen, {i, j});
+      if (!h) continue;
+      std::vector<size_t> agreeing = Agreeing(seen, *h);
+      if (agreeing.size() > best.size()) best = std::move(agreeing);
+    }
+  }
+  // The whole agreement sees farther than the pair that it grew from.
+  if (const std::optional<Eigen::Matrix3d> h = HomographyOf(seen, best)) {
+    std::vector<size_t> agreeing = Agreeing(seen, *h);
+    if (agreeing.size() >= best.size()) best = std::move(agreeing);
+  }
+  if (best.empty()) best = {0};
+  return best;
+}
+
+std::string ForeignIds(const std::vector<TagDetection>& detections) {
+  std::string ids;
+  for (size_t i = 0; i < std::min<size_t>(detections.size(), 4); ++i) {
+    ids += (i ? ", " : "") + std::to_string(detections[i].id);
+  }
+  return ids + (detections.size() > 4 ? ", ..." : "");
+}
+
+}  // namespace
+
+std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
+                                                   const std::vector<TagDetection>& detections) {
+  if (detections.empty()) {
+    return BoardMismatch{"no " + board.family +
+                         " tag found; is the platform in the picture, sharp?"};
+  }
+  const std::vector<SeenTag> seen = SelectBoardTags(board, detections);
+  if (seen.empty()) {
+    return BoardMismatch{"its tags (ids " + ForeignIds(detections) +
+                         ") are not on the board; a picture of another board?"};
+  }
+  const std::vector<size_t> agreeing = LargestAgreement(seen);
+  if (static_cast<double>(agreeing.size()) < kMinAgreeingShare * static_cast<double>(seen.size())) {
+    return BoardMismatch{"only " + std::to_string(agreeing.size()) + " of " +
+                         std::to_string(seen.size()) +
+                         " tags lie as on the board; two boards mixed up?"};
+  }
+  const std::optional<Eigen::Matrix3d> h = HomographyOf(seen, agreeing);
+  if (!h) return BoardMismatch{"its tags lie on a line; the pose cannot be found"};
+  BoardMatch match;
+  match.tags = static_cast<int>(agreeing.size());
+  match.pixel_from_board = *h;
+  for (const size_t i : agreeing) {
+    match.points_mm.insert(match.points_mm.end(), seen[i].points_mm.begin(),
+                           seen[i].points_mm.end());
+    match.pixels.insert(match.pixels.end(), seen[i].pixels.begin(), seen[i].pixels.end());
+  }
+  return match;
+}
+
+}  // namespace lfm

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calib/calib_files.h"
+
+#include <set>
+
+#include "core/error.h"
+#include "core/json_reader.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kMaxCount = 1000000000;
+
+nlohmann::json CameraToJson(const Camera& c) {
+  return {{"width", c.width},
+          {"height", c.height},
+          {"focal_px", {c.fx, c.fy}},
+          {"principal_point_px", {c.cx, c.cy}},
+          {"radial", {c.k1, c.k2, c.k3}},
+          {"tangential", {c.p1, c.p2}}};
+}
+
+Camera CameraFromJson(JsonReader& reader, const std::string& where) {
+  Camera c;
+  c.width = reader.Integer("width", 1, 65536);
+  c.height = reader.Integer("height", 1, 65536);
+  const std::vector<double> focal = reader.Numbers("focal_px", 2);
+  const std::vector<double> center = reader.Numbers("principal_point_px", 2);
+  const std::vector<double> radial = reader.Numbers("radial", 3);
+  const std::vector<double> tangential = reader.Numbers("tangential", 2);
+  reader.Finish();
+  c.fx = focal[0], c.fy = focal[1];
+  c.cx = center[0], c.cy = center[1];
+  c.k1 = radial[0], c.k2 = radial[1], c.k3 = radial[2];
+  c.p1 = tangential[0], c.p2 = tangential[1];
+  ValidateCamera(c, where.c_str());
+  return c;
+}
+
+nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const PosedImage& image : images) {
+    std::vector<double> covariance;
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column)
+        covariance.push_back(image.covariance(row, column));
+    }
+    list.push_back({{"id", image.id},
+                    {"file", image.file},
+                    {"camera", image.camera},
+                    {"split", image.split == PhotoSplit::kTest ? "test" : "train"},
+                    {"camera_from_world", PoseToJson(image.camera_from_world)},
+                    {"covariance", covariance},
+                    {"tags", image.tags},
+                    {"corners", image.corners},
+                    {"reprojection_rms_px", image.reprojection_rms_px}});
+  }
+  return list;
+}
+
+PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Camera>& cameras) {
+  PosedImage image;
+  image.id = reader.Text("id");
+  image.file = reader.Text("file");
+  image.camera = reader.Text("camera");
+  if (!cameras.contains(image.camera)) {
+    reader.Fail("camera", "\"" + image.camera + "\" is not in cameras.json");
+  }
+  const std::string split = reader.Text("split");
+  if (split != "train" && split != "test") reader.Fail("split", "expected \"train\" or \"test\"");
+  image.split = split == "test" ? PhotoSplit::kTest : PhotoSplit::kTrain;
+  JsonReader pose = reader.Object("camera_from_world");
+  image.camera_from_world = PoseFromJson(pose);
+  const std::vector<double> covariance = reader.Numbers("covariance", 36);
+  for (int i = 0; i < 36; ++i) image.covariance(i / 6, i % 6) = covariance[i];
+  image.tags = reader.Integer("tags", 0, kMaxCount);
+  image.corners = reader.Integer("corners", 0, kMaxCount);
+  image.reprojection_rms_px = reader.Number("reprojection_rms_px");
+  if (image.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
+  reader.Finish();
+  return image;
+}
+
+std::vector<PosedImage> PosedImagesFromJson(JsonReader& poses, const std::string& key,
+                                            const std::map<std::string, Camera>& cameras) {
+  std::vector<PosedImage> images;
+  std::set<std::string> ids;
+  for (JsonReader& item : poses.Objects(key)) {
+    images.push_back(PosedImageFromJson(item, cameras));
+    if (!ids.insert(images.back().id).second) {
+      item.Fail("id", "\"" + images.back().id + "\" is used twice");
+    }
+  }
+  return images;
+}
+
+CalibResult LoadCameras(const std::filesystem::path& file) {
+  CalibResult result;
+  const nlohmann::json json = ReadJson(file);
+  JsonReader reader(json, file.string());
+  JsonReader cameras = reader.Object("cameras");
+  for (const std::string& name : cameras.Keys()) {
+    JsonReader camera = cameras.Object(name);
+    result.cameras[name] = CameraFromJson(camera, file.string() + ": cameras." + name);
+  }
+  cameras.Finish();
+  result.reprojection_rms_px = reader.Number("reprojection_rms_px");
+  result.corner_noise_px = reader.Number("corner_noise_px");
+  if (result.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
+  if (result.corner_noise_px < 0) reader.Fail("corner_noise_px", "must not be negative");
+  reader.Finish();
+  return result;
+}
+
+PosedImage GivenImage(const std::string& id, const std::string& camera, const std::string& file,
+                      const Pose& camera_from_world) {
+  PosedImage image;
+  image.id = id;
+  image.camera = camera;
+  image.file = file;
+  image.camera_from_world = camera_from_world;
+  return image;
+}
+
+std::vector<PosedImage> GivenScans(const std::vector<ScanSet>& sets, const std::string& camera) {
+  std::vector<PosedImage> images;
+  for (const ScanSet& set : sets) {
+    if (!set.camera_from_world) continue;
+    images.push_back(GivenImage(set.id, camera, set.frames.empty() ? "" : set.frames.front(),
+                                *set.camera_from_world));
+  }
+  return images;
+}
+
+}  // namespace
+
+void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
+  nlohmann::json cameras = {{"cameras", nlohmann::json::object()},
+                            {"reprojection_rms_px", result.reprojection_rms_px},
+                            {"corner_noise_px", result.corner_noise_px}};
+  for (const auto& [name, camera] : result.cameras) {
+    cameras["cameras"][name] = CameraToJson(camera);
+  }
+  nlohmann::json poses = {{"photos", PosedImagesToJson(result.photos)},
+                          {"scans", PosedImagesToJson(result.scans)},
+                          {"placements", PosedImagesToJson(result.placements)},
+                          {"rejected", nlohmann::json::array()}};
+  for (const RejectedImage& image : result.rejected) {
+    poses["rejected"].push_back({{"id", image.id}, {"file", image.file}, {"reason", image.reason}});
+  }
+  WriteJson(cameras, folder / "cameras.json");
+  WriteJson(poses, folder / "poses.json");
+}
+
+CalibResult LoadCalib(const std::filesystem::path& folder) {
+  CalibResult result = LoadCameras(folder / "cameras.json");
+  const std::filesystem::path file = folder / "poses.json";
+  const nlohmann::json json = ReadJson(file);
+  JsonReader reader(json, file.string());
+  result.photos = PosedImagesFromJson(reader, "photos", result.cameras);
+  result.scans = PosedImagesFromJson(reader, "scans", result.cameras);
+  result.placements = PosedImagesFromJson(reader, "placements", result.cameras);
+  for (JsonReader& item : reader.Objects("rejected")) {
+    result.rejected.push_back({item.Text("id"), item.Text("file"), item.Text("reason")});
+    item.Finish();
+  }
+  reader.Finish();
+  return result;
+}
+
+CalibResult CalibFromCapture(const Capture& capture) {
+  const std::string where = (capture.folder / "capture.json").string();
+  CalibResult result;
+  for (const auto& [name, camera] : capture.cameras) {
+    if (!camera.intrinsics) throw Error(where + ": cameras." + name + ": intrinsics are not given");
+    result.cameras[name] = *camera.intrinsics;
+  }
+  for (const Photo& photo : capture.photos) {
+    if (!photo.camera_from_world) {
+      throw Error(where + ": photo \"" + photo.id + "\": camera_from_world is not given");
+    }
+    result.photos.push_back(
+        GivenImage(photo.id, photo.camera, photo.file, *photo.camera_from_world));
+    result.photos.back().split = photo.split;
+  }
+  if (capture.scanner) {
+    result.scans = GivenScans(capture.scanner->scans, capture.scanner->camera);
+    result.placements = GivenScans(capture.scanner->placements, capture.scanner->camera);
+  }
+  return result;
+}
+
+}  // namespace lfm

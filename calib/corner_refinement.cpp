@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calib/corner_refinement.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "calib/corner_template.h"
+#include "core/error.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kLightTerms = 6;
+constexpr int kUnknowns = kLightTerms + 2;
+constexpr int kMaxIterations = 8;
+constexpr double kConvergedPx = 1e-3;
+constexpr double kMaxStepPx = 1.0;
+constexpr double kMaxSigmaPx = 0.25;
+constexpr double kSaturated = 0.995;
+// Noise of an 8-bit picture drowns less contrast than this.
+constexpr double kMinContrast = 0.01;
+constexpr double kMinValidShare = 0.4;
+
+struct WindowPixel {
+  Eigen::Vector2d offset;  ///< to the corner's predicted place, px
+  double value = 0;
+  double weight = 0;
+  int index = 0;  ///< into the rendered window
+};
+
+// Pixels round a corner that carry data, weighted by a Gaussian so that far print counts less.
+std::vector<WindowPixel> CollectPixels(const Image& gray, const Eigen::Vector2d& center,
+                                       int radius) {
+  const int x0 = static_cast<int>(std::lround(center.x()));
+  const int y0 = static_cast<int>(std::lround(center.y()));
+  const double inverse_variance = 1 / (0.36 * radius * radius);
+  std::vector<WindowPixel> pixels;
+  for (int dy = -radius; dy <= radius; ++dy) {
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const int x = x0 + dx, y = y0 + dy;
+      if (x < 0 || y < 0 || x >= gray.width() || y >= gray.height()) continue;
+      const double value = gray.At<float>(x, y);
+      if (!std::isfinite(value) || value >= kSaturated) continue;
+      WindowPixel pixel;
+      pixel.offset = Eigen::Vector2d(x, y) - center;
+      pixel.value = value;
+      pixel.weight = std::exp(-0.5 * inverse_variance * pixel.offset.squaredNorm());
+      pixel.index = (dy + radius + 1) * (2 * radius + 3) + dx + radius + 1;
+      pixels.push_back(pixel);
+    }
+  }
+  return pixels;
+}
+
+// The window and one pixel round it, for differences.
+void RenderWindow(const BoardPrint& print, const LocalView& view, const PixelFootprint& footprint,
+                  const Eigen::Vector2d& shift, int radius, std::vector<double>& window) {
+  const int side = 2 * radius + 3;
+  window.resize(static_cast<size_t>(side) * side);
+  const Eigen::Vector2d first(
+      static_cast<double>(std::lround(view.pixel.x())) - radius - 1 - view.pixel.x(),
+      static_cast<double>(std::lround(view.pixel.y())) - radius - 1 - view.pixel.y());
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      window[static_cast<size_t>(y) * side + x] =
+          RenderPixel(print, view, footprint, first + Eigen::Vector2d(x, y) - shift);
+    }
+  }
+}
+
+struct FitStep {
+  Eigen::Vector2d shift;
+  double sigma_px = 0;
+  double relative_residual = 0;
+};
+
+using LightRow = Eigen::Matrix<double, kLightTerms, 1>;
+using FitRow = Eigen::Matrix<double, kUnknowns, 1>;
+
+struct FitPixel {
+  LightRow light;
+  Eigen::Vector2d template_slope;
+  double value, weight;
+};
+
+std::vector<FitPixel> PairWithTemplate(const std::vector<WindowPixel>& pixels,
+                                       const std::vector<double>& window, int radius) {
+  const int side = 2 * radius + 3;
+  std::vector<FitPixel> pairs;
+  pairs.reserve(pixels.size());
+  for (const WindowPixel& pixel : pixels) {
+    const double t = window[pixel.index];
+    const double left = window[pixel.index - 1], right = window[pixel.index + 1];
+    const double above = window[pixel.index - side], below = window[pixel.index + side];
+    if (std::min({t, left, right, above, below}) < 0) continue;
+    const double x = pixel.offset.x() / radius, y = pixel.offset.y() / radius;
+    FitPixel pair;
+    pair.light << t, x * t, y * t, 1, x, y;
+    pair.template_slope = {(right - left) / 2, (below - above) / 2};
+    pair.value = pixel.value;
+    pair.weight = pixel.weight;
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+LightRow FitLight(const std::vector<FitPixel>& pixels) {
+  Eigen::Matrix<double, kLightTerms, kLightTerms> normal =
+      Eigen::Matrix<double, kLightTerms, kLightTerms>::Identity() * 1e-6;
+  LightRow right = LightRow::Zero();
+  for (const FitPixel& p : pixels) {
+    normal.noalias() += p.weight * p.light * p.light.transpose();
+    right += p.weight * p.value * p.light;
+  }
+  return normal.ldlt().solve(right);
+}
+
+// One Gauss-Newton step over light and shift; no answer when the print has no contrast here or the
+// shift is not determined.
+std::optional<FitStep> SolveStep(const std::vector<FitPixel>& pixels) {
+  const LightRow light = FitLight(pixels);
+  Eigen::Matrix<double, kUnknowns, kUnknowns> normal =
+      Eigen::Matrix<double, kUnknowns, kUnknowns>::Identity() * 1e-9;
+  FitRow right = FitRow::Zero();
+  double weights = 0, squared = 0;
+  for (const FitPixel& p : pixels) {
+    const double gain = light.head<3>().dot(p.light.tail<3>());
+    const double residual = p.value - light.dot(p.light);
+    FitRow row;
+    row << p.light, -gain * p.template_slope;
+    normal.noalias() += p.weight * row * row.transpose();
+    right += p.weight * residual * row;
+    weights += p.weight;
+    squared += p.weight * residual * residual;
+  }
+  const double contrast = light(0);
+  if (!(contrast > kMinContrast)) return std::nullopt;
+  const Eigen::Matrix<double, kUnknowns, kUnknowns> inverse = normal.inverse();
+  const double variance = squared / weights;
+  FitStep step;
+  step.shift = (inverse * right).tail<2>();
+  step.sigma_px =
+      std::sqrt(std::max(0.0, variance * inverse.bottomRightCorner<2, 2>().trace() / 2));
+  step.relative_residual = std::sqrt(variance) / contrast;
+  if (!step.shift.allFinite() || !std::isfinite(step.sigma_px)) return std::nullopt;
+  return step;
+}
+
+struct CornerFit {
+  Eigen::Vector2d pixel;
+  double sigma_px = 0, relative_residual = 0;
+};
+
+std::optional<CornerFit> FitCorner(const Image& gray, const BoardPrint& print,
+                                   const PixelFootprint& footprint, const LocalView& view,
+                                   const CornerSearch& search) {
+  const int radius = search.window_radius_px;
+  const std::vector<WindowPixel> pixels = CollectPixels(gray, view.pixel, radius);
+  const double all_pixels = (2.0 * radius + 1) * (2.0 * radius + 1);
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  std::vector<double> window;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    RenderWindow(print, view, footprint, shift, radius, window);
+    const std::vector<FitPixel> pairs = PairWithTemplate(pixels, window, radius);
+    if (static_cast<double>(pairs.size()) < kMinValidShare * all_pixels) return std::nullopt;
+    const std::optional<FitStep> step = SolveStep(pairs);
+    if (!step) return std::nullopt;
+    const double length = step->shift.norm();
+    shift +=
+        length > kMaxStepPx ? Eigen::Vector2d(step->shift * (kMaxStepPx / length)) : step->shift;
+    if (shift.norm() > search.max_shift_px) return std::nullopt;
+    // The residual belongs to the shift before the step: only a small step leaves it valid.
+    if (length < kConvergedPx || (iteration + 1 == kMaxIterations && length < 10 * kConvergedPx)) {
+      return CornerFit{view.pixel + shift, step->sigma_px, step->relative_residual};
+    }
+  }
+  return std::nullopt;
+}
+
+void CheckGray(const Image& gray) {
+  if (gray.channels() != 1 || gray.type() != PixelType::kFloat32 ||
+      gray.encoding() != ColorEncoding::kLinear) {
+    throw Error("corner search: needs one linear float channel", ErrorKind::kSystem);
+  }
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
+  std::vector<Eigen::Vector3d> corners;
+  for (const BoardTag& tag : board.tags) {
+    const std::array<Eigen::Vector3d, 4> of_tag = board.TagCorners(tag);
+    corners.insert(corners.end(), of_tag.begin(), of_tag.end());
+  }
+  const std::vector<Eigen::Vector3d> of_checker = board.CheckerCorners();
+  corners.insert(corners.end(), of_checker.begin(), of_checker.end());
+  return corners;
+}
+
+Image LinearGray(const Image& picture) { return ToGray(ToLinearFloat(picture)); }
+
+std::vector<CornerObservation> FindCorners(const Image& linear_gray, const BoardPrint& print,
+                                           const std::vector<Eigen::Vector3d>& corners,
+                                           const Camera& camera, const Pose& camera_from_world,
+                                           const CornerSearch& search) {
+  CheckGray(linear_gray);
+  const PixelFootprint footprint = MakePixelFootprint(search.blur_px);
+  std::vector<CornerObservation> found;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const std::optional<LocalView> view = MakeLocalView(camera, camera_from_world, corners[i]);
+    if (!view) continue;
+    const std::optional<CornerFit> fit = FitCorner(linear_gray, print, footprint, *view, search);
+    if (!fit || fit->sigma_px > kMaxSigmaPx ||
+        fit->relative_residual > search.max_relative_residual) {
+      continue;
+    }
+    found.push_back({static_cast<int>(i), fit->pixel, fit->sigma_px});
+  }
+  return found;
+}
+
+double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
+                    const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
+                    const Pose& camera_from_world, const std::vector<CornerObservation>& observed,
+                    const CornerSearch& search) {
+  CheckGray(linear_gray);
+  constexpr std::array<double, 10> kBlursPx = {0, 0.25, 0.4, 0.55, 0.7, 0.9, 1.2, 1.7, 2.6, 4.0};
+  constexpr size_t kMaxCorners = 20;
+  constexpr double kCostOfNoFit = 1;
+  double best_blur = 0, best_cost = std::numeric_limits<double>::infinity();
+  const size_t count = std::min(kMaxCorners, observed.size());
+  for (const double blur : kBlursPx) {
+    const PixelFootprint footprint = MakePixelFootprint(blur);
+    double cost = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const CornerObservation& observation = observed[i * observed.size() / count];
+      const std::optional<LocalView> view =
+          MakeLocalView(camera, camera_from_world, corners[observation.corner]);
+      const std::optional<CornerFit> fit =
+          view ? FitCorner(linear_gray, print, footprint, *view, search) : std::nullopt;
+      cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
+                  : kCostOfNoFit;
+    }
+    if (cost < best_cost) {
+      best_cost = cost;
+      best_blur = blur;
+    }
+  }
+  return best_blur;
+}
+
+}  // namespace lfm

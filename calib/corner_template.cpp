@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calib/corner_template.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+
+namespace lfm {
+namespace {
+
+// Even Fibonacci numbers make the lattice (i + 1/2) / N, frac((i + 1/2) G / N) symmetric about its
+// middle without a point on the border.
+constexpr int kLatticePoints = 34;
+constexpr int kLatticeGenerator = 21;
+constexpr double kNoBlurPx = 1e-3;
+
+// Integral of the normal distribution function.
+double IntegratedNormal(double t, double sigma) {
+  const double z = t / sigma;
+  return t * 0.5 * std::erfc(-z / std::numbers::sqrt2) +
+         sigma * std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
+}
+
+// Quantile of a unit box convolved with a Gaussian, by bisection.
+double BlurredBoxQuantile(double probability, double sigma) {
+  if (sigma < kNoBlurPx) return probability - 0.5;
+  double low = -0.5 - 6 * sigma, high = 0.5 + 6 * sigma;
+  for (int i = 0; i < 60; ++i) {
+    const double x = (low + high) / 2;
+    const double below = IntegratedNormal(x + 0.5, sigma) - IntegratedNormal(x - 0.5, sigma);
+    (below < probability ? low : high) = x;
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace
+
+PixelFootprint MakePixelFootprint(double blur_px) {
+  PixelFootprint footprint;
+  for (int i = 0; i < kLatticePoints; ++i) {
+    const double u = (i + 0.5) / kLatticePoints;
+    const double v = std::fmod((i + 0.5) * kLatticeGenerator / kLatticePoints, 1.0);
+    footprint.offsets.emplace_back(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
+  }
+  return footprint;
+}
+
+std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_from_world,
+                                       const Eigen::Vector3d& board_point) {
+  const Eigen::Vector3d point = camera_from_world * board_point;
+  const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
+  if (!pixel || !camera.Contains(*pixel)) return std::nullopt;
+  const Eigen::Vector2d normalized = point.hnormalized();
+  constexpr double kStep = 1e-5;
+  Eigen::Matrix2d pixel_by_normalized;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector2d step = Eigen::Vector2d::Unit(i) * kStep;
+    const Eigen::Vector2d slope =
+        (Distort(camera, normalized + step) - Distort(camera, normalized - step)) / (2 * kStep);
+    pixel_by_normalized.col(i) = slope.cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
+  }
+  Eigen::Matrix3d normalized_from_offset = Eigen::Matrix3d::Identity();
+  normalized_from_offset.topLeftCorner<2, 2>() = pixel_by_normalized.inverse();
+  normalized_from_offset.topRightCorner<2, 1>() = normalized;
+  Eigen::Matrix3d ray_from_board = camera_from_world.rotation;
+  ray_from_board.col(2) = camera_from_world.translation;
+  LocalView view;
+  view.pixel = *pixel;
+  view.board_from_pixel = ray_from_board.inverse() * normalized_from_offset;
+  if (!view.board_from_pixel.allFinite()) return std::nullopt;
+  return view;
+}
+
+double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFootprint& footprint,
+                   const Eigen::Vector2d& offset) {
+  const Eigen::Matrix3d& h = view.board_from_pixel;
+  const Eigen::Vector3d p = h * offset.homogeneous();
+  // The third coordinate is the reciprocal depth.
+  if (!(p.z() > 0)) return -1;
+  const Eigen::Vector2d board = p.hnormalized();
+  const Eigen::Matrix2d slope =
+      (h.topLeftCorner<2, 2>() - board * h.bottomLeftCorner<1, 2>()) / p.z();
+  double sum = 0;
+  for (const Eigen::Vector2d& o : footprint.offsets) {
+    const double value = print.Value(board + slope * o);
+    if (value < 0) return -1;
+    sum += value;
+  }
+  return sum / static_cast<double>(footprint.offsets.size());
+}
+
+}  // namespace lfm
