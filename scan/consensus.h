@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/pose.h"
+#include "scan/triangulate.h"
+
+namespace lfm {
+
+struct ConsensusOptions {
+  double agree_mm = 0.35;      ///< nearer than this to another scan's surface: it agrees
+  double contradict_mm = 2.0;  ///< farther than agree_mm, but nearer than this: it contradicts
+  double clear_mm = 1.0;       ///< another scan saw at least this far behind: it saw through
+  int min_patch_px = 25;       ///< smaller connected patches of a scan are dropped
+};
+
+/// One scan to be compared with the others.
+struct PosedRange {
+  RangeMap map;
+  Pose camera_from_world;
+};
+
+/// Clears the pixels (depth and confidence become 0) that the other scans contradict, then patches
+/// of fewer than `min_patch_px` connected pixels.
+///
+/// Each point is projected into every other scan. There the surface found at that pixel agrees
+/// (distance to its tangent plane within `agree_mm`), contradicts (off by more, facing the same
+/// way), or was seen through the point (it and its neighbours lie more than `clear_mm` behind).
+/// Points with more voices against than for them go. Points that no other scan saw stay. All votes
+/// are taken before any pixel is cleared: the result does not depend on an order.
+std::vector<PosedRange> KeepConsensus(std::vector<PosedRange> scans, const Camera& camera,
+                                      const std::vector<Eigen::Vector2d>& rays,
+                                      const ConsensusOptions& options);
+
+}  // namespace lfm
