@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -22,6 +23,13 @@ namespace lfm {
 int PatchSampleCount(int n);
 int PatchSampleIndex(int n, int i, int j);
 Eigen::Vector3d PatchSampleWeights(int n, int i, int j);
+
+/// The smallest patch whose sample count is at least `pixels`, from the predefined sizes: every n
+/// from 3 to 17, then steps of 2 to 33, 4 to 65, 8 to 129, 16 to 257 (a few sizes only, so that
+/// patches of one size fill texture pages together; Chen 2002, section 5.3). At most
+/// `max_edge_samples` (3 to 257; the largest predefined size not above it). 3 when `pixels` is not
+/// a positive number.
+int ChooseEdgeSamples(double pixels, int max_edge_samples);
 
 /// The visible views of one triangle, normalised to one shape: the block P of DESIGN 4.
 ///
@@ -53,7 +61,12 @@ class LightField {
   static constexpr int kOne = 32768;  ///< the stored value of sRGB-coded 1.0
 
   /// Throws Error when the file is missing, truncated, of another version, or fails its checksums.
+  ///
+  /// Every byte is checked here, once (in parallel; about 10 GB/s from memory), so that reading a
+  /// triangle needs no check and cannot fail.
   static LightField Open(const std::filesystem::path& file);
+  /// The same from bytes in memory; `name` stands for the file in messages.
+  static LightField FromMemory(std::vector<std::byte> bytes, const std::string& name);
   ~LightField();
   LightField(LightField&&) noexcept;
   LightField& operator=(LightField&&) noexcept;
@@ -64,6 +77,7 @@ class LightField {
   DirectionMap direction_map() const;
   int grid() const;  ///< view grid is grid x grid
   int triangle_count() const;
+  /// Valid while the light field lives. `triangle` in [0, triangle_count()), corner in [0, 3).
   TrianglePatch Patch(int triangle) const;
   struct WeightBuffer {
     std::vector<uint16_t> view;
@@ -84,6 +98,10 @@ class LightField {
 };
 
 /// Writes a light field chunk by chunk: triangles in ascending order, from one thread.
+///
+/// Content is written to `.NAME.partial` beside the file, which a later run overwrites. Throws
+/// Error (kSystem) when the disk is full or the folder not writable, and when the caller's data do
+/// not fit together (lengths, indices, the number of triangles).
 class LightFieldWriter {
  public:
   struct Header {

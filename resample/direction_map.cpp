@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "resample/direction_map.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace lfm {
+namespace {
+
+/// The direction itself when it lies above the horizon, else its nearest on the horizon.
+Eigen::Vector3d LiftToHorizon(const Eigen::Vector3d& d) {
+  if (d.z() >= 0) return d;
+  const double radius = std::hypot(d.x(), d.y());
+  if (radius == 0) return {0, 0, 1};
+  return {d.x() / radius, d.y() / radius, 0};
+}
+
+Eigen::Vector3d NormalOf(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& computed,
+                         size_t vertex) {
+  if (!mesh.normals.empty()) {
+    const Eigen::Vector3d& given = mesh.normals[vertex];
+    const double length = given.norm();
+    if (std::isfinite(length) && length > 0) return given / length;
+  }
+  return computed[vertex];
+}
+
+/// A unit vector at right angles to z: `edge` projected, or the world axis least along z.
+Eigen::Vector3d PerpendicularAxis(const Eigen::Vector3d& z, const Eigen::Vector3d& edge) {
+  // Below this share of its length an edge's projection is mostly rounding.
+  constexpr double kParallel_rel = 1e-6;
+  const Eigen::Vector3d projected = edge - edge.dot(z) * z;
+  if (projected.norm() > kParallel_rel * edge.norm()) return projected.normalized();
+  int axis = 0;
+  z.cwiseAbs().minCoeff(&axis);
+  const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+  return (unit - unit.dot(z) * z).normalized();
+}
+
+}  // namespace
+
+Eigen::Vector2d SquareFromDirection(DirectionMap map, const Eigen::Vector3d& direction_in_frame) {
+  const double length = direction_in_frame.norm();
+  if (!std::isfinite(length) || length == 0) return {0.5, 0.5};
+  const Eigen::Vector3d d = LiftToHorizon(direction_in_frame / length);
+  if (map == DirectionMap::kOrthographic) return {(d.x() + 1) / 2, (d.y() + 1) / 2};
+  const double scale = 1 / (std::abs(d.x()) + std::abs(d.y()) + d.z());
+  const double px = d.x() * scale, py = d.y() * scale;
+  return {(px + py + 1) / 2, (px - py + 1) / 2};
+}
+
+Eigen::Vector3d DirectionFromSquare(DirectionMap map, const Eigen::Vector2d& square) {
+  if (!square.allFinite()) return {0, 0, 1};
+  const double u = 2 * std::clamp(square.x(), 0.0, 1.0) - 1;
+  const double v = 2 * std::clamp(square.y(), 0.0, 1.0) - 1;
+  if (map == DirectionMap::kOrthographic) {
+    const double radius_squared = u * u + v * v;
+    if (radius_squared >= 1) {
+      const double radius = std::sqrt(radius_squared);
+      return {u / radius, v / radius, 0};
+    }
+    return {u, v, std::sqrt(1 - radius_squared)};
+  }
+  const double px = (u + v) / 2, py = (u - v) / 2;
+  return Eigen::Vector3d(px, py, std::max(0.0, 1 - std::abs(px) - std::abs(py))).normalized();
+}
+
+Eigen::Vector3d GridDirection(DirectionMap map, int grid, int q) {
+  const double step = 1.0 / (grid - 1);
+  return DirectionFromSquare(map, {(q % grid) * step, (q / grid) * step});
+}
+
+std::vector<Eigen::Matrix3d> ComputeVertexFrames(const TriangleMesh& mesh) {
+  const size_t count = mesh.vertices.size();
+  std::vector<int> first_neighbor(count, -1);
+  for (const Eigen::Vector3i& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      int& first = first_neighbor[static_cast<size_t>(triangle[corner])];
+      if (first < 0) first = triangle[(corner + 1) % 3];
+    }
+  }
+  const std::vector<Eigen::Vector3d> computed = ComputeVertexNormals(mesh);
+  std::vector<Eigen::Matrix3d> frames(count);
+  for (size_t v = 0; v < count; ++v) {
+    const Eigen::Vector3d z = NormalOf(mesh, computed, v);
+    Eigen::Vector3d edge = Eigen::Vector3d::Zero();
+    if (first_neighbor[v] >= 0) {
+      edge = mesh.vertices[static_cast<size_t>(first_neighbor[v])] - mesh.vertices[v];
+    }
+    const Eigen::Vector3d x = PerpendicularAxis(z, edge);
+    frames[v].col(0) = x;
+    frames[v].col(1) = z.cross(x).normalized();
+    frames[v].col(2) = z;
+  }
+  return frames;
+}
+
+}  // namespace lfm

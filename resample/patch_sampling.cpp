@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "resample/patch_sampling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "resample/light_field.h"
+
+namespace lfm {
+namespace {
+
+std::optional<Eigen::Vector3d> CrossingAlong(const RayScene& surface, const Eigen::Vector3d& point,
+                                             const Eigen::Vector3d& normal, double max_shift_mm) {
+  const auto outwards = surface.Intersect(point, normal, 0, max_shift_mm);
+  const double reach = outwards ? outwards->distance : max_shift_mm;
+  const auto inwards = surface.Intersect(point, -normal, 0, reach);
+  if (inwards) return point - inwards->distance * normal;
+  if (outwards) return point + outwards->distance * normal;
+  return std::nullopt;
+}
+
+}  // namespace
+
+PhotoPixels MakePhotoPixels(const Image& picture, std::vector<uint8_t> usable, const Camera& camera,
+                            const std::string& file) {
+  if (picture.width() != camera.width || picture.height() != camera.height) {
+    throw Error(file + ": is " + std::to_string(picture.width()) + " x " +
+                std::to_string(picture.height()) + " pixels, but its camera has " +
+                std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                "; do not crop or scale photographs");
+  }
+  const Image coded = picture.type() == PixelType::kUint8 ? picture : ToSrgb8(picture);
+  const int channels = coded.channels();
+  const std::array<int, 3> from =
+      channels >= 3 ? std::array<int, 3>{0, 1, 2} : std::array<int, 3>{0, 0, 0};
+  PhotoPixels photo{coded.width(), coded.height(), {}};
+  photo.rgbu.resize(4 * usable.size());
+  const uint8_t* in = coded.Data<uint8_t>();
+  for (size_t i = 0; i < usable.size(); ++i) {
+    for (size_t c = 0; c < 3; ++c) photo.rgbu[4 * i + c] = in[i * channels + from[c]];
+    photo.rgbu[4 * i + 3] = usable[i];
+  }
+  return photo;
+}
+
+std::optional<BilinearTap> TapAt(int width, int height, const Eigen::Vector2d& pixel) {
+  const bool inside = width >= 2 && height >= 2 && pixel.x() >= 0 && pixel.y() >= 0 &&
+                      pixel.x() <= width - 1 && pixel.y() <= height - 1;
+  if (!inside) return std::nullopt;
+  BilinearTap tap;
+  tap.x = std::min(static_cast<int>(pixel.x()), width - 2);
+  tap.y = std::min(static_cast<int>(pixel.y()), height - 2);
+  tap.fx = static_cast<float>(pixel.x() - tap.x);
+  tap.fy = static_cast<float>(pixel.y() - tap.y);
+  return tap;
+}
+
+std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle, int edge_samples,
+                                         SampleOn sample_on, const RayScene& surface,
+                                         double max_shift_mm) {
+  const Eigen::Vector3i& corners = mesh.triangles[static_cast<size_t>(triangle)];
+  const auto mix = [&](const std::vector<Eigen::Vector3d>& of, const Eigen::Vector3d& weights) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) sum += weights[c] * of[static_cast<size_t>(corners[c])];
+    return sum;
+  };
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<size_t>(PatchSampleCount(edge_samples)));
+  for (int j = 0; j < edge_samples; ++j) {
+    for (int i = 0; i + j < edge_samples; ++i) {
+      const Eigen::Vector3d weights = PatchSampleWeights(edge_samples, i, j);
+      Eigen::Vector3d point = mix(mesh.vertices, weights);
+      if (sample_on == SampleOn::kSurface) {
+        const Eigen::Vector3d normal = mix(mesh.normals, weights);
+        const double length = normal.norm();
+        if (length > 0) {
+          point = CrossingAlong(surface, point, normal / length, max_shift_mm).value_or(point);
+        }
+      }
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
+                                      const Pose& camera_from_world,
+                                      const std::vector<Eigen::Vector3d>& points) {
+  constexpr float kScale = static_cast<float>(LightField::kOne) / 255;
+  SampledView view;
+  view.values.resize(3 * points.size());
+  view.saturated.resize(3 * points.size());
+  for (size_t s = 0; s < points.size(); ++s) {
+    const auto pixel = Project(camera, camera_from_world * points[s]);
+    if (!pixel) return std::nullopt;
+    const auto tap = TapAt(photo.width, photo.height, *pixel);
+    if (!tap) return std::nullopt;
+    const std::array<const uint8_t*, 4> pixels = {
+        photo.At(tap->x, tap->y), photo.At(tap->x + 1, tap->y), photo.At(tap->x, tap->y + 1),
+        photo.At(tap->x + 1, tap->y + 1)};
+    const std::array<float, 4> weights = {(1 - tap->fx) * (1 - tap->fy), tap->fx * (1 - tap->fy),
+                                          (1 - tap->fx) * tap->fy, tap->fx * tap->fy};
+    for (size_t k = 0; k < 4; ++k) {
+      if (weights[k] > 0 && pixels[k][3] == 0) return std::nullopt;
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      float value = 0;
+      bool saturated = false;
+      for (size_t k = 0; k < 4; ++k) {
+        value += weights[k] * static_cast<float>(pixels[k][c]);
+        saturated = saturated || (weights[k] > 0 && pixels[k][c] == 255);
+      }
+      view.values[3 * s + c] = static_cast<uint16_t>(value * kScale + 0.5F);
+      view.saturated[3 * s + c] = saturated ? 1 : 0;
+    }
+  }
+  return view;
+}
+
+}  // namespace lfm

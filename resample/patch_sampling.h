@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/pose.h"
+#include "core/ray_scene.h"
+#include "core/triangle_mesh.h"
+#include "resample/resample.h"
+
+namespace lfm {
+
+/// A photograph as it is sampled: 4 bytes a pixel, rows from the top: red, green, blue (8-bit sRGB)
+/// and 255 where the pixel is data, 0 where it is not (photo_depth.h, masks).
+struct PhotoPixels {
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgbu;
+
+  const uint8_t* At(int x, int y) const { return &rgbu[4 * (static_cast<size_t>(y) * width + x)]; }
+};
+
+/// Joins a picture and its usable pixels. Gray pictures become RGB, an alpha channel is ignored,
+/// other types are brought to 8-bit sRGB. Throws Error naming `file` when the picture's size is not
+/// the camera's.
+PhotoPixels MakePhotoPixels(const Image& picture, std::vector<uint8_t> usable, const Camera& camera,
+                            const std::string& file);
+
+/// The four pixels around a position and their bilinear weights.
+struct BilinearTap {
+  int x = 0, y = 0;      ///< the top-left one; the others are at x + 1, y + 1
+  float fx = 0, fy = 0;  ///< [0, 1]: how far towards them
+};
+/// No answer when a pixel that would be needed lies outside the frame, or the picture is less than
+/// two pixels wide or high.
+std::optional<BilinearTap> TapAt(int width, int height, const Eigen::Vector2d& pixel);
+
+/// The points at which a triangle's patch is sampled, in the order of PatchSampleIndex, world
+/// frame. `surface` prepares the dense surface; with SampleOn::kSurface a sample is moved along the
+/// interpolated vertex normal of `mesh` (which must have normals) to the nearest crossing with the
+/// surface within `max_shift_mm`; without one it stays. Samples on an edge are the same points,
+/// bit for bit within rounding, for both triangles.
+std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle, int edge_samples,
+                                         SampleOn sample_on, const RayScene& surface,
+                                         double max_shift_mm);
+
+/// One view of a patch.
+struct SampledView {
+  /// 3 a sample (RGB): sRGB-coded radiance times LightField::kOne, bilinear.
+  std::vector<uint16_t> values;
+  /// As long: 1 where a pixel that was used stands at 255 in that channel, so that the value is
+  /// only a lower bound.
+  std::vector<uint8_t> saturated;
+};
+/// Samples a photograph at the projections of `points` (full lens model). No answer when a point
+/// cannot be sampled: behind the camera, a needed pixel outside the frame, or one that is no data.
+std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
+                                      const Pose& camera_from_world,
+                                      const std::vector<Eigen::Vector3d>& points);
+
+}  // namespace lfm

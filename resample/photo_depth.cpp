@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "resample/photo_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace lfm {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+struct PixelBox {
+  int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+};
+
+/// Pixels that may show the surface: around its projected vertices, with room for the bow that the
+/// lens gives to long edges between them.
+PixelBox BoxAround(const TriangleMesh& surface, const Camera& camera,
+                   const Pose& camera_from_world) {
+  constexpr double kRoom_rel = 0.05, kRoom_px = 4;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3d& vertex : surface.vertices) {
+    const auto pixel = Project(camera, camera_from_world * vertex);
+    if (!pixel) return {0, camera.width, 0, camera.height};
+    box.extend(*pixel);
+  }
+  const Eigen::Vector2d room = kRoom_rel * box.sizes() + Eigen::Vector2d::Constant(kRoom_px);
+  const auto clamp = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  return {clamp(box.min().x() - room.x(), camera.width),
+          clamp(box.max().x() + room.x() + 1, camera.width),
+          clamp(box.min().y() - room.y(), camera.height),
+          clamp(box.max().y() + room.y() + 1, camera.height)};
+}
+
+/// Finds depth edges along one line of pixels (a row or a column) and marks the pixels beside them.
+void MarkEdges(const float* depth, int count, ptrdiff_t stride, double pixel_mm_per_mm,
+               uint8_t* marked) {
+  const auto at = [&](int i) { return depth[i * stride]; };
+  const auto step = [&](int i) {  // between pixels i and i + 1; NaN where one shows nothing
+    if (i < 0 || i + 1 >= count) return std::numeric_limits<float>::quiet_NaN();
+    const float d = std::abs(at(i + 1) - at(i));
+    return std::isinf(d) ? std::numeric_limits<float>::quiet_NaN() : d;
+  };
+  for (int i = 0; i + 1 < count; ++i) {
+    const float a = at(i), b = at(i + 1);
+    const bool shown_a = a < kNothing, shown_b = b < kNothing;
+    if (!shown_a && !shown_b) continue;
+    bool edge = shown_a != shown_b;
+    if (!edge) {
+      const float beside = std::fmin(step(i - 1), step(i + 1));
+      const double allowed =
+          2 * pixel_mm_per_mm * std::min(a, b) + 2 * (std::isnan(beside) ? 0.0F : beside);
+      edge = std::abs(a - b) > allowed;
+    }
+    if (edge) marked[i * stride] = marked[(i + 1) * stride] = 1;
+  }
+}
+
+std::vector<uint8_t> MarkEdges(const DepthMap& map, const Camera& camera) {
+  std::vector<uint8_t> marked(map.depth.size(), 0);
+  for (int y = 0; y < map.height; ++y) {
+    const ptrdiff_t start = static_cast<ptrdiff_t>(y) * map.width;
+    MarkEdges(&map.depth[start], map.width, 1, 1 / camera.fx, &marked[start]);
+  }
+  for (int x = 0; x < map.width; ++x) {
+    MarkEdges(&map.depth[x], map.height, map.width, 1 / camera.fy, &marked[x]);
+  }
+  return marked;
+}
+
+}  // namespace
+
+PixelRays ComputePixelRays(const Camera& camera) {
+  PixelRays rays{camera.width, camera.height, {}};
+  rays.directions.resize(static_cast<size_t>(camera.width) * camera.height,
+                         Eigen::Vector3f::Zero());
+  ParallelFor(0, camera.height, [&](int64_t y) {
+    for (int x = 0; x < camera.width; ++x) {
+      try {
+        const Eigen::Vector3d ray = Unproject(camera, {x, static_cast<double>(y)});
+        rays.directions[static_cast<size_t>(y) * camera.width + x] = ray.cast<float>();
+      } catch (const Error&) {
+        // The lens model folds back here: the pixel sees nothing that can be told.
+      }
+    }
+  });
+  return rays;
+}
+
+DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const Camera& camera,
+                     const PixelRays& rays, const Pose& camera_from_world) {
+  DepthMap map{rays.width, rays.height, {}};
+  map.depth.assign(rays.directions.size(), kNothing);
+  const PixelBox box = BoxAround(surface, camera, camera_from_world);
+  const Pose world_from_camera = camera_from_world.Inverse();
+  for (int y = box.y_begin; y < box.y_end; ++y) {
+    for (int x = box.x_begin; x < box.x_end; ++x) {
+      const size_t i = static_cast<size_t>(y) * map.width + x;
+      const Eigen::Vector3d ray = rays.directions[i].cast<double>();
+      if (ray.z() <= 0) continue;
+      const auto hit =
+          scene.Intersect(world_from_camera.translation, world_from_camera.rotation * ray);
+      if (hit) map.depth[i] = static_cast<float>(hit->distance * ray.z());
+    }
+  }
+  return map;
+}
+
+std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px) {
+  const std::vector<uint8_t> marked = MarkEdges(map, camera);
+  std::vector<uint8_t> usable(map.depth.size());
+  for (size_t i = 0; i < usable.size(); ++i) usable[i] = map.depth[i] < kNothing ? 255 : 0;
+  const double radius = margin_px - 0.5;
+  const int reach = std::max(0, static_cast<int>(std::ceil(radius)));
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (marked[static_cast<size_t>(y) * map.width + x] == 0) continue;
+      for (int dy = std::max(-reach, -y); dy <= std::min(reach, map.height - 1 - y); ++dy) {
+        for (int dx = std::max(-reach, -x); dx <= std::min(reach, map.width - 1 - x); ++dx) {
+          if (std::hypot(dx, dy) >= radius) continue;
+          usable[static_cast<size_t>(y + dy) * map.width + (x + dx)] = 0;
+        }
+      }
+    }
+  }
+  return usable;
+}
+
+}  // namespace lfm

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/pose.h"
+#include "core/ray_scene.h"
+#include "core/triangle_mesh.h"
+
+namespace lfm {
+
+/// Unit directions in the camera frame through the pixel centres, rows from the top: made once a
+/// camera, for undoing a lens takes longer than casting a ray. Where the lens model folds back the
+/// direction is zero. Parallel over rows.
+struct PixelRays {
+  int width = 0, height = 0;
+  std::vector<Eigen::Vector3f> directions;
+};
+PixelRays ComputePixelRays(const Camera& camera);
+
+/// What a photograph sees of a surface, rows from the top: the camera's Z (mm) of the first hit of
+/// each pixel's ray, infinite where there is none.
+struct DepthMap {
+  int width = 0, height = 0;
+  std::vector<float> depth;
+
+  float At(int x, int y) const { return depth[static_cast<size_t>(y) * width + x]; }
+};
+
+/// Casts a ray through every pixel centre of the part of the picture that holds `surface` (whose
+/// prepared form is `scene`), lens distortion included. Runs in the calling thread: callers have
+/// many photographs.
+DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const Camera& camera,
+                     const PixelRays& rays, const Pose& camera_from_world);
+
+/// 255 for each pixel that shows the surface and lies at least `margin_px` from every depth edge,
+/// else 0.
+///
+/// A depth edge runs between two pixels (4-neighbours) when only one of them shows the surface, or
+/// when their depths differ by more than twice a pixel's size on the surface plus twice the
+/// smaller of the depth steps that the two sides show just beside it: a surface may be steep, and
+/// turn away steadily, without being torn apart. Both sides keep the margin, because the nearer one
+/// mixes with what lies behind it. The pixel next to an edge is half a pixel from it: a margin up
+/// to 0.5 keeps every pixel that shows the surface.
+std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px);
+
+}  // namespace lfm

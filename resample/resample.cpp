@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "resample/resample.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "resample/triangle_resampling.h"
+#include "resample/used_photos.h"
+#include "resample/view_weights.h"
+
+namespace lfm {
+namespace {
+
+/// Sums over triangles, in whole numbers so that their order does not matter.
+struct Totals {
+  int64_t triangles = 0, unseen = 0;
+  int64_t patch_samples = 0;           ///< of one view
+  int64_t views = 0;                   ///< over triangles
+  int64_t samples = 0, saturated = 0;  ///< over views
+  int64_t seen_entries = 0;
+
+  void Add(const ResampledTriangle& triangle) {
+    ++triangles;
+    unseen += triangle.record.photos.empty() ? 1 : 0;
+    patch_samples += PatchSampleCount(triangle.record.edge_samples);
+    views += static_cast<int64_t>(triangle.record.photos.size());
+    samples += triangle.samples;
+    saturated += triangle.saturated;
+    seen_entries += triangle.seen_entries;
+  }
+};
+
+double Share(int64_t part, int64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+Totals WriteTriangles(const ResampleScene& scene, const std::vector<TriangleViews>& views,
+                      LightFieldWriter& writer, Progress& progress) {
+  // Bounds memory, and lets the order in the file not depend on who finishes first.
+  constexpr size_t kBatch = 256;
+  progress.Start("resampling triangles", static_cast<int64_t>(views.size()));
+  Totals totals;
+  for (size_t begin = 0; begin < views.size(); begin += kBatch) {
+    std::vector<ResampledTriangle> batch(std::min(kBatch, views.size() - begin));
+    ParallelFor(0, static_cast<int64_t>(batch.size()), [&](int64_t i) {
+      const size_t t = begin + static_cast<size_t>(i);
+      batch[static_cast<size_t>(i)] = ResampleTriangle(scene, static_cast<int>(t), views[t]);
+      progress.Advance();
+    });
+    for (const ResampledTriangle& triangle : batch) {
+      writer.Write(triangle.record);
+      totals.Add(triangle);
+    }
+  }
+  return totals;
+}
+
+}  // namespace
+
+ResampleResult Resample(const Capture& capture, const CalibResult& calib,
+                        const TriangleMesh& surface, const TriangleMesh& mesh,
+                        const ImageLoader& load_image, const ResampleOptions& options,
+                        const std::filesystem::path& lfs_file, Progress& progress) {
+  ResampleOptions checked = options;
+  ValidateOptions(AnyOptions(checked));
+  ValidateMesh(surface, "the dense surface");
+  ValidateMesh(mesh, "the mesh");
+  const std::vector<UsedPhoto> photos = FindUsedPhotos(capture, calib);
+
+  LightFieldWriter::Header header;
+  header.mesh = mesh;
+  header.vertex_frames = ComputeVertexFrames(mesh);
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    header.mesh.normals.resize(mesh.vertices.size());
+    header.mesh.normals[v] = header.vertex_frames[v].col(2);
+  }
+  for (const UsedPhoto& photo : photos) header.photo_ids.push_back(photo.id);
+  header.direction_map = options.direction_map;
+  header.grid = options.view_grid;
+
+  const RayScene surface_scene(surface);
+  const std::vector<double> deviations_mm = TriangleDeviations(mesh, surface_scene);
+  const std::vector<SeenPhoto> seen = LookAtPhotos(photos, surface, surface_scene, mesh,
+                                                   deviations_mm, load_image, options, progress);
+  const std::vector<Eigen::Vector2d> grid_in_plane =
+      GridInPlane(options.direction_map, options.view_grid);
+  const ResampleScene scene{header.mesh,
+                            surface_scene,
+                            header.vertex_frames,
+                            photos,
+                            seen,
+                            grid_in_plane,
+                            options,
+                            *std::max_element(deviations_mm.begin(), deviations_mm.end())};
+  LightFieldWriter writer(lfs_file, header);
+  const Totals totals =
+      WriteTriangles(scene, GatherViews(seen, mesh.triangles.size()), writer, progress);
+  writer.Finish();
+
+  const int64_t entries = int64_t{options.view_grid} * options.view_grid;
+  ResampleResult result;
+  result.mean_visible_views = Share(totals.views, totals.triangles);
+  result.samples_per_triangle = Share(totals.patch_samples, totals.triangles);
+  result.dense_bytes = 3 * totals.patch_samples * entries;
+  result.unseen_triangles = static_cast<int>(totals.unseen);
+  result.saturated_share = Share(totals.saturated, totals.samples);
+  result.seen_directions_share = Share(totals.seen_entries, 3 * totals.triangles * entries);
+  return result;
+}
+
+}  // namespace lfm

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/ray_scene.h"
+#include "resample/light_field.h"
+#include "resample/used_photos.h"
+
+namespace lfm {
+
+/// What every triangle is resampled from.
+struct ResampleScene {
+  const TriangleMesh& mesh;  ///< with normals
+  const RayScene& surface;
+  const std::vector<Eigen::Matrix3d>& vertex_frames;
+  const std::vector<UsedPhoto>& photos;
+  const std::vector<SeenPhoto>& seen;                 ///< as `photos`
+  const std::vector<Eigen::Vector2d>& grid_in_plane;  ///< GridInPlane of the options
+  const ResampleOptions& options;
+  double max_shift_mm = 0;  ///< for SampleOn::kSurface
+};
+
+/// The photographs that show one triangle, and its area in the one where it is largest.
+struct TriangleViews {
+  std::vector<uint16_t> photos;  ///< ascending
+  double largest_px = 0;
+};
+/// The lists of SeenPhoto, by triangle.
+std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_t triangle_count);
+
+struct ResampledTriangle {
+  LightFieldWriter::Triangle record;
+  int64_t samples = 0, saturated = 0;  ///< of all views; samples with a saturated channel
+  int64_t seen_entries = 0;            ///< of the three corners' view grids
+};
+/// Samples a triangle's views, imputes what is saturated, and weighs the views at its three
+/// corners. A view that cannot be sampled at every point of the patch is left out.
+ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
+                                   const TriangleViews& views);
+
+}  // namespace lfm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/pose.h"
+#include "core/ray_scene.h"
+#include "core/triangle_mesh.h"
+#include "resample/photo_depth.h"
+
+namespace lfm {
+
+/// How far each triangle of the decimated mesh lies from the dense surface, mm: the largest
+/// distance over ten points spread over it (corners, thirds of the edges, centroid), to which depth
+/// comparisons must be tolerant. Parallel over triangles.
+std::vector<double> TriangleDeviations(const TriangleMesh& mesh, const RayScene& surface);
+
+/// What one photograph offers for the visibility test.
+struct PhotoSight {
+  Camera camera;
+  Pose camera_from_world;
+  DepthMap depth;               ///< of the dense surface
+  std::vector<uint8_t> usable;  ///< FindUsablePixels, and the photograph's mask
+};
+
+struct VisibleTriangle {
+  int triangle = 0;
+  double area_px = 0;  ///< of its projection
+};
+
+/// The triangles of `mesh` that a photograph shows completely (Chen 2002, section 5.2), ascending.
+///
+/// A triangle counts when the angle between its normal and the direction to the camera is at most
+/// `max_grazing_deg` and, at points no farther apart than about one pixel (corners and edges
+/// included), all four pixels around the projection are usable and the depth that they show differs
+/// from the point's by no more than one pixel's size, the depth step of the triangle's slope over
+/// one pixel, and twice the triangle's deviation seen along the ray. Degenerate triangles are never
+/// visible. Runs in the calling thread.
+std::vector<VisibleTriangle> FindVisibleTriangles(const TriangleMesh& mesh,
+                                                  const std::vector<double>& deviations_mm,
+                                                  const PhotoSight& sight, double max_grazing_deg);
+
+}  // namespace lfm
