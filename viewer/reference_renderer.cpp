@@ -38,6 +38,11 @@ void ValidateOptions(const RenderOptions& options) {
   }
 }
 
+void ValidatePose(const Pose& camera_from_world) {
+  if (camera_from_world.rotation.allFinite() && camera_from_world.translation.allFinite()) return;
+  throw Error("the pose of the camera to render is not finite");
+}
+
 Eigen::Vector3f LinearColor(const Eigen::Vector3f& coded) {
   return coded.unaryExpr([](float value) { return LinearFromSrgb(value); });
 }
@@ -123,6 +128,7 @@ const LightFieldModel& ReferenceRenderer::model() const { return state_->model; 
 Rendering ReferenceRenderer::Render(const Camera& camera, const Pose& camera_from_world,
                                     const RenderOptions& options, Progress& progress) const {
   ValidateCamera(camera, "the camera to render");
+  ValidatePose(camera_from_world);
   ValidateOptions(options);
   const int width = camera.width, height = camera.height;
   Rendering rendering{Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb),
@@ -144,6 +150,7 @@ Rendering ReferenceRenderer::Render(const Camera& camera, const Pose& camera_fro
 Image RenderSilhouette(const TriangleMesh& mesh, const Camera& camera,
                        const Pose& camera_from_world) {
   ValidateCamera(camera, "the camera of the silhouette");
+  ValidatePose(camera_from_world);
   ValidateMesh(mesh, "the silhouette");
   const RayScene rays(mesh);
   Image mask(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kLinear);
