@@ -14,7 +14,6 @@ namespace lfm {
 namespace {
 
 constexpr double kSaturation = 0.985;  // sRGB level 253.2: 254 and 255 may be clipped noise
-constexpr double kTransitionPx = 1.5;  // half width of the blur about a Gray bit's transition
 constexpr int kSoftOne = 127;
 
 /// One frame's luminance, and whether any channel of an integer picture is at its ceiling.
@@ -166,8 +165,9 @@ PhaseFit FitPhase(FrameReader& reader, const PatternSequence& sequence, PatternA
   return fit;
 }
 
-/// Gray code expected at each whole projector coordinate, -127..127, falling to 0 at transitions.
-std::vector<int8_t> ExpectedBits(int size, int bits) {
+/// Gray code expected at each whole projector coordinate, -127..127, falling to 0 at transitions
+/// over a quarter of a period: as far as code and phase may disagree before a period is in doubt.
+std::vector<int8_t> ExpectedBits(int size, int bits, int period) {
   std::vector<int8_t> table(static_cast<size_t>(size) * bits);
   for (int x = 0; x < size; ++x) {
     for (int bit = 0; bit < bits; ++bit) {
@@ -176,7 +176,7 @@ std::vector<int8_t> ExpectedBits(int size, int bits) {
       // Transitions of this bit lie half a pixel before the odd multiples of 2^shift.
       const double half = std::ldexp(1.0, shift);
       const double from_transition = std::abs(std::remainder(x + 0.5 - half, 2 * half));
-      const double weight = std::min(1.0, from_transition / kTransitionPx);
+      const double weight = std::min(1.0, 4 * from_transition / period);
       table[static_cast<size_t>(x) * bits + bit] =
           static_cast<int8_t>(std::lround((value ? 1 : -1) * weight * kSoftOne));
     }
@@ -265,7 +265,7 @@ void DecodeGrayOnly(const AxisInput& in, const std::vector<uint8_t>& usable, Axi
 void DecodePhase(const AxisInput& in, const std::vector<uint8_t>& usable,
                  const std::vector<float>& contrast, const DecodeOptions& options,
                  AxisCoordinates& out) {
-  const std::vector<int8_t> expected = ExpectedBits(in.size, in.soft.bits);
+  const std::vector<int8_t> expected = ExpectedBits(in.size, in.soft.bits, in.period);
   const double typical = TypicalVariance(in.phase, usable);
   const double turn = 2 * std::numbers::pi;
   // The prior counts as many degrees of freedom as the pixel itself.
