@@ -13,7 +13,7 @@ namespace lfm {
 
 struct MeshOptions {
   double platform_margin_mm = 0.6;
-  int poisson_depth = 9;
+  int poisson_depth = 8;
   double tolerance_px = 0.5;
   double samples_per_triangle = 0;
   int triangle_count = 0;

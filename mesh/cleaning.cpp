@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/cleaning.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "mesh/nearest_points.h"
+#include "mesh/voxel_grid.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kFewestPoints = 100;
+constexpr double kSmallestPiece = 0.03;
+// Standard deviation across a plane, relative to the extent along it, below which a cloud is flat:
+// a scan's noise over an object's size is ten times less, a sheet of cardboard ten times more.
+constexpr double kFlat = 0.003;
+
+PointCloud Select(const PointCloud& cloud, const std::vector<char>& keep) {
+  PointCloud kept;
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!keep[i]) continue;
+    kept.points.push_back(cloud.points[i]);
+    kept.normals.push_back(cloud.normals[i]);
+    kept.confidence.push_back(cloud.confidence[i]);
+  }
+  return kept;
+}
+
+void CheckCloud(const PointCloud& cloud) {
+  const size_t n = cloud.points.size();
+  if (n == 0) {
+    throw Error("point cloud: it is empty; check that the scans decode (scan/points.ply)");
+  }
+  if (cloud.normals.size() != n || (!cloud.confidence.empty() && cloud.confidence.size() != n)) {
+    throw Error("point cloud: every point needs a normal (and a confidence, if any has one)");
+  }
+  for (size_t i = 0; i < n; ++i) {
+    if (!cloud.points[i].allFinite() || !cloud.normals[i].allFinite() ||
+        (!cloud.confidence.empty() && !std::isfinite(cloud.confidence[i]))) {
+      throw Error("point cloud: point " + std::to_string(i) + " is not finite; check the scans");
+    }
+  }
+}
+
+// Coordinates that one wild point cannot move.
+struct RobustBox {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double extent = 0;
+};
+
+RobustBox MeasureBox(const std::vector<Eigen::Vector3d>& points) {
+  RobustBox box;
+  std::vector<double> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
+    std::sort(values.begin(), values.end());
+    const size_t n = values.size();
+    box.center[axis] = values[n / 2];
+    box.extent = std::max(box.extent, values[n - 1 - n / 50] - values[n / 50]);
+  }
+  return box;
+}
+
+void CheckShape(const PointCloud& cloud) {
+  const size_t n = cloud.points.size();
+  if (n < kFewestPoints) {
+    throw Error("point cloud: only " + std::to_string(n) +
+                " points lie on the object, too few for a surface; check the scans and "
+                "--platform-margin-mm");
+  }
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : cloud.points) mean += p;
+  mean /= static_cast<double>(n);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : cloud.points) scatter += (p - mean) * (p - mean).transpose();
+  const Eigen::Vector3d spread =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly)
+          .eigenvalues()
+          .cwiseMax(0)
+          .cwiseSqrt();
+  if (!(spread[0] > kFlat * spread[2])) {
+    throw Error(
+        "point cloud: all points lie in a plane or on a line, which bounds no solid; scan the "
+        "object from more sides");
+  }
+}
+
+std::vector<char> FindDense(const PointCloud& cloud, double spacing_mm) {
+  const VoxelGrid grid = MakeVoxelGrid(cloud.points, 4 * spacing_mm);
+  const std::vector<int64_t> counts = CountNeighborhoods(grid);
+  std::vector<int64_t> of_points(cloud.points.size());
+  for (size_t v = 0; v < counts.size(); ++v) {
+    for (int64_t k = grid.offsets[v]; k < grid.offsets[v + 1]; ++k) {
+      of_points[grid.points[k]] = counts[v];
+    }
+  }
+  std::vector<int64_t> sorted = of_points;
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  const int64_t needed = std::max<int64_t>(4, sorted[sorted.size() / 2] / 20);
+  std::vector<char> keep(cloud.points.size());
+  for (size_t i = 0; i < keep.size(); ++i) keep[i] = of_points[i] >= needed;
+  return keep;
+}
+
+std::vector<char> FindObject(const PointCloud& cloud, double link_mm) {
+  const VoxelGrid grid = MakeVoxelGrid(cloud.points, link_mm);
+  const std::vector<int> labels = LabelPieces(grid);
+  std::vector<int64_t> sizes;
+  for (size_t v = 0; v < labels.size(); ++v) {
+    if (labels[v] >= static_cast<int>(sizes.size())) sizes.resize(labels[v] + 1);
+    sizes[labels[v]] += grid.Count(static_cast<int>(v));
+  }
+  const int64_t largest = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
+  std::vector<char> keep(cloud.points.size());
+  for (size_t v = 0; v < labels.size(); ++v) {
+    const bool kept = static_cast<double>(sizes[labels[v]]) >= kSmallestPiece * largest;
+    for (int64_t k = grid.offsets[v]; k < grid.offsets[v + 1]; ++k) keep[grid.points[k]] = kept;
+  }
+  return keep;
+}
+
+// A patch of area A with unit normal n meets about A (|nx| + |ny| + |nz|) / h^2 cubes of side h;
+// over all directions that factor is 1.5.
+double EstimateSpacing(const std::vector<Eigen::Vector3d>& points, double extent_mm) {
+  const double h = extent_mm / 64;
+  const VoxelGrid grid = MakeVoxelGrid(points, h);
+  const double area = static_cast<double>(grid.cells.size()) * h * h / 1.5;
+  return std::sqrt(area / static_cast<double>(points.size()));
+}
+
+}  // namespace
+
+CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
+  CheckCloud(points);
+  CleanCloud clean;
+  PointCloud cloud = points;
+  if (cloud.confidence.empty()) cloud.confidence.assign(cloud.points.size(), 1);
+  std::vector<char> keep(cloud.points.size(), 1);
+  for (size_t i = 0; i < keep.size(); ++i) {
+    const double length = cloud.normals[i].norm();
+    const bool on_platform = cloud.points[i].z() < limits.platform_margin_mm;
+    const bool outside = cloud.points[i].norm() > limits.max_distance_mm || !(length > 1e-9);
+    clean.platform += on_platform;
+    clean.outside += !on_platform && outside;
+    keep[i] = !on_platform && !outside;
+    if (keep[i]) cloud.normals[i] /= length;
+    cloud.confidence[i] = std::clamp(cloud.confidence[i], 1e-3f, 1.0f);
+  }
+  if (clean.platform == static_cast<int64_t>(keep.size())) {
+    std::ostringstream message;
+    message << "point cloud: all " << keep.size() << " points lie below "
+            << limits.platform_margin_mm
+            << " mm, on the platform; check the scans, or lower --platform-margin-mm";
+    throw Error(message.str());
+  }
+  cloud = Select(cloud, keep);
+  CheckShape(cloud);
+
+  const RobustBox box = MeasureBox(cloud.points);
+  keep.assign(cloud.points.size(), 1);
+  for (size_t i = 0; i < keep.size(); ++i) {
+    keep[i] = (cloud.points[i] - box.center).cwiseAbs().maxCoeff() <= 3 * box.extent;
+    clean.outside += !keep[i];
+  }
+  cloud = Select(cloud, keep);
+  CheckShape(cloud);
+
+  keep = FindDense(cloud, EstimateSpacing(cloud.points, box.extent));
+  clean.sparse = std::count(keep.begin(), keep.end(), 0);
+  cloud = Select(cloud, keep);
+  CheckShape(cloud);
+
+  const double spacing_mm = EstimateSpacing(cloud.points, MeasureBox(cloud.points).extent);
+  keep = FindObject(cloud, std::max(8 * spacing_mm, box.extent / 80));
+  clean.detached = std::count(keep.begin(), keep.end(), 0);
+  clean.cloud = Select(cloud, keep);
+  CheckShape(clean.cloud);
+  clean.spacing_mm = EstimateSpacing(clean.cloud.points, MeasureBox(clean.cloud.points).extent);
+  return clean;
+}
+
+namespace {
+
+struct WeightedPoint {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  double weight = 0, count = 0;
+};
+
+void Append(const WeightedPoint& sum, PointCloud& cloud) {
+  const double length = sum.normal.norm();
+  if (!(length > 1e-6 * sum.weight)) return;
+  cloud.points.push_back(sum.point / sum.weight);
+  cloud.normals.push_back(sum.normal / length);
+  cloud.confidence.push_back(static_cast<float>(sum.weight / sum.count));
+}
+
+PointCloud AverageInVoxels(const PointCloud& points, double voxel_mm) {
+  const VoxelGrid grid = MakeVoxelGrid(points.points, voxel_mm);
+  PointCloud averaged;
+  for (size_t v = 0; v < grid.cells.size(); ++v) {
+    const Eigen::Vector3d& facing = points.normals[grid.points[grid.offsets[v]]];
+    WeightedPoint front, back;
+    for (int64_t k = grid.offsets[v]; k < grid.offsets[v + 1]; ++k) {
+      const int i = grid.points[k];
+      WeightedPoint& side = points.normals[i].dot(facing) > 0 ? front : back;
+      const double weight = points.confidence[i];
+      side.point += weight * points.points[i];
+      side.normal += weight * points.normals[i];
+      side.weight += weight;
+      side.count += 1;
+    }
+    Append(front, averaged);
+    Append(back, averaged);
+  }
+  return averaged;
+}
+
+constexpr int kNeighbors = 16;
+
+struct PlaneFit {
+  double distance = 0;  ///< of the point from the plane through its neighbours
+  std::array<int, kNeighbors> neighbors;
+};
+
+std::vector<PlaneFit> MeasureOffsets(const PointCloud& cloud) {
+  const NearestPoints index(cloud.points);
+  std::vector<PlaneFit> fits(cloud.points.size());
+  ParallelFor(
+      0, static_cast<int64_t>(fits.size()),
+      [&](int64_t i) {
+        Eigen::Vector3d center = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+        fits[i].neighbors.fill(static_cast<int>(i));
+        int used = 0;
+        // One more than needed: the nearest point is the point itself.
+        for (const NearPoint& near : index.Find(cloud.points[i], kNeighbors + 1)) {
+          if (near.index == i || used == kNeighbors) continue;
+          if (cloud.normals[near.index].dot(cloud.normals[i]) < 0) continue;
+          center += cloud.points[near.index];
+          normal += cloud.normals[near.index];
+          fits[i].neighbors[used++] = near.index;
+        }
+        if (used == 0 || !(normal.norm() > 1e-6)) return;
+        fits[i].distance = std::abs(normal.normalized().dot(cloud.points[i] - center / used));
+      },
+      256);
+  return fits;
+}
+
+double Median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+PointCloud ConsolidatePoints(const PointCloud& points, double voxel_mm) {
+  if (points.points.empty()) return points;
+  const PointCloud averaged = AverageInVoxels(points, voxel_mm);
+  if (averaged.points.empty()) return averaged;
+  const std::vector<PlaneFit> fits = MeasureOffsets(averaged);
+  std::vector<double> distances(fits.size());
+  for (size_t i = 0; i < fits.size(); ++i) distances[i] = fits[i].distance;
+  const double usual = Median(distances);
+  std::vector<char> keep(fits.size());
+  ParallelFor(
+      0, static_cast<int64_t>(fits.size()),
+      [&](int64_t i) {
+        std::vector<double> around(kNeighbors);
+        for (int k = 0; k < kNeighbors; ++k) around[k] = distances[fits[i].neighbors[k]];
+        // 1.5 median: the standard deviation of a normal distribution.
+        keep[i] = distances[i] <= 5 * 1.5 * std::max(usual, Median(std::move(around)));
+      },
+      256);
+  return Select(averaged, keep);
+}
+
+}  // namespace lfm

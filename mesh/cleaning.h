@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/point_cloud.h"
+
+namespace lfm {
+
+struct CleaningLimits {
+  double platform_margin_mm = 0.6;  ///< points with z below this belong to the platform
+  /// Points farther than this from the world's origin are not on the platform (a wall, a hand).
+  double max_distance_mm = std::numeric_limits<double>::infinity();
+};
+
+/// The object's points, and what was taken away.
+struct CleanCloud {
+  PointCloud cloud;  ///< with unit normals and confidence
+  int64_t platform = 0;
+  int64_t outside = 0;    ///< beyond max_distance_mm, or far off compared with all others
+  int64_t sparse = 0;     ///< hardly any neighbours
+  int64_t detached = 0;   ///< in pieces that do not belong to the object
+  double spacing_mm = 0;  ///< side of the square of surface that one point stands for
+};
+
+/// Takes away the platform, what lies outside, lone points, and pieces with less than 3 % of the
+/// points of the largest piece. Missing confidence counts as 1.
+///
+/// Throws Error, saying what to check, for: an empty cloud, missing or miscounted normals,
+/// coordinates that are not finite, all points on the platform, fewer than 100 points left, points
+/// that all lie in a plane or on a line.
+CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits);
+
+/// One point for each cube of `voxel_mm` (two where front and back of something thin share it):
+/// the confidence-weighted mean of the points in it. Averaging lowers their noise; what lies off
+/// the plane through its neighbours by more than five times what is usual, here and over the whole
+/// cloud, is dropped.
+PointCloud ConsolidatePoints(const PointCloud& points, double voxel_mm);
+
+}  // namespace lfm

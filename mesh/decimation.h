@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/triangle_mesh.h"
+
+namespace lfm {
+
+/// Edge collapses in order of quadric error (Garland and Heckbert 1997).
+///
+/// The planes of the original triangles, weighted by area, are summed at the vertices; an edge
+/// collapses to the point x that minimises
+///   sum_i area_i (n_i . x - d_i)^2  +  a pull of 1/1000 of that strength to the edge's middle,
+/// so vertices lie where the error is least, not on old ones. A small price on long edges keeps
+/// flat regions even. Collapses that would flip a triangle, make a sliver, an edge much longer than
+/// the others, or anything but a manifold, are not done. Boundaries are held by planes upright on
+/// them. Copies go on independently.
+class Decimation {
+ public:
+  /// Throws Error unless the mesh is valid and an oriented manifold.
+  explicit Decimation(const TriangleMesh& mesh);
+  Decimation(const Decimation& other);
+  Decimation& operator=(const Decimation& other);
+  ~Decimation();
+
+  /// Collapses until at most `count` triangles are left, or none more can go. Never below 4.
+  void ReduceTo(int64_t count);
+  int64_t triangles() const;
+  /// Vertices and triangles only.
+  TriangleMesh Mesh() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Collapses edges shorter than `length_mm` to their middle where that keeps a manifold and turns
+/// no triangle by more than 60 degrees. Points at z = 0 stay there. Vertices and triangles only.
+TriangleMesh RemoveShortEdges(const TriangleMesh& mesh, double length_mm);
+
+}  // namespace lfm

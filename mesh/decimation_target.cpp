@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/decimation_target.h"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "mesh/decimation.h"
+#include "mesh/edge_quality.h"
+
+namespace lfm {
+namespace {
+
+constexpr int64_t kDeviationSamples = 60000;
+constexpr int64_t kFewestTriangles = 16;
+constexpr double kCountPrecision = 1.03;
+
+std::vector<double> Distances(const std::vector<Eigen::Vector3d>& points, const RayScene& scene) {
+  std::vector<double> distances(points.size());
+  ParallelFor(
+      0, static_cast<int64_t>(points.size()),
+      [&](int64_t i) {
+        const auto closest = scene.Closest(points[i]);
+        if (!closest) throw Error("mesh: no closest point was found", ErrorKind::kSystem);
+        distances[i] = closest->distance;
+      },
+      256);
+  return distances;
+}
+
+double TotalArea(const TriangleMesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    area += TriangleArea(mesh, static_cast<int>(t));
+  return area;
+}
+
+double Extent(const TriangleMesh& mesh) {
+  Eigen::Vector3d low = mesh.vertices.front(), high = low;
+  for (const Eigen::Vector3d& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  return (high - low).maxCoeff();
+}
+
+// What the search needs again and again about the dense surface.
+struct DenseSurface {
+  explicit DenseSurface(const TriangleMesh& surface)
+      : mesh(surface), scene(surface), samples(SampleSurface(surface, kDeviationSamples, 1)) {}
+  const TriangleMesh& mesh;
+  RayScene scene;
+  SurfaceSamples samples;
+};
+
+SurfaceDeviation Deviation(const TriangleMesh& mesh, const DenseSurface& dense) {
+  SurfaceDeviation deviation;
+  std::vector<double> from_surface = Distances(dense.samples.points, RayScene(mesh));
+  std::vector<double> from_mesh =
+      Distances(SampleSurface(mesh, kDeviationSamples, 2).points, dense.scene);
+  deviation.from_surface = SummarizeDistances(from_surface);
+  deviation.from_mesh = SummarizeDistances(from_mesh);
+  from_mesh.insert(from_mesh.end(), from_surface.begin(), from_surface.end());
+  deviation.both = SummarizeDistances(std::move(from_mesh));
+  return deviation;
+}
+
+DecimatedMesh Finish(const Decimation& decimation, const DenseSurface& dense) {
+  DecimatedMesh result;
+  // Some twenty samples a triangle bind all three corners well.
+  const int64_t samples = std::max<int64_t>(20 * decimation.triangles(), 2000);
+  result.mesh =
+      ImproveTriangles(decimation.Mesh(), dense.scene, SampleSurface(dense.mesh, samples, 3));
+  result.deviation = Deviation(result.mesh, dense);
+  return result;
+}
+
+// The surface as it is: what remains where nothing may be taken away.
+DecimatedMesh Undecimated(const DenseSurface& dense) {
+  DecimatedMesh result;
+  result.mesh.vertices = dense.mesh.vertices;
+  result.mesh.triangles = dense.mesh.triangles;
+  result.deviation = Deviation(result.mesh, dense);
+  return result;
+}
+
+// The sagitta of a chord of length L on a circle of radius R is L^2 / (8 R); R is a sixth of the
+// object's extent on many objects. Only where the search begins.
+int64_t GuessCount(const TriangleMesh& surface, double tolerance_mm) {
+  const double edge = std::sqrt(8 * Extent(surface) / 6 * tolerance_mm);
+  const double count = TotalArea(surface) / (std::sqrt(3.0) / 4 * edge * edge);
+  return static_cast<int64_t>(std::clamp(count, static_cast<double>(kFewestTriangles), 1e9));
+}
+
+}  // namespace
+
+SurfaceDeviation MeasureDeviation(const TriangleMesh& mesh, const TriangleMesh& surface) {
+  return Deviation(mesh, DenseSurface(surface));
+}
+
+DecimatedMesh DecimateToCount(const TriangleMesh& surface, int64_t count) {
+  const DenseSurface dense(surface);
+  if (static_cast<int64_t>(surface.triangles.size()) <= count) return Undecimated(dense);
+  Decimation decimation(surface);
+  decimation.ReduceTo(count);
+  return Finish(decimation, dense);
+}
+
+DecimatedMesh DecimateToTolerance(const TriangleMesh& surface, double tolerance_mm,
+                                  Progress& progress) {
+  const DenseSurface dense(surface);
+  const int64_t all = static_cast<int64_t>(surface.triangles.size());
+  const Decimation undone(surface);
+  int64_t count = std::min(GuessCount(surface, tolerance_mm), all);
+  // From here most attempts start: what is far finer than needed is taken away once.
+  Decimation finer = undone;
+  finer.ReduceTo(16 * count);
+  std::optional<DecimatedMesh> best;
+  int64_t fine = 0, coarse = 0;  // near enough; not near enough
+  const auto attempt = [&](int64_t target) {
+    Decimation decimation = target <= finer.triangles() ? finer : undone;
+    decimation.ReduceTo(target);
+    DecimatedMesh result = Finish(decimation, dense);
+    progress.Advance();
+    const bool near_enough = result.deviation.WorseP95() <= tolerance_mm;
+    if (near_enough) {
+      best = std::move(result);
+      finer = decimation;
+      fine = target;
+    } else {
+      coarse = target;
+    }
+    return near_enough;
+  };
+  if (attempt(count)) {
+    while (count > kFewestTriangles && attempt(count = std::max(count / 2, kFewestTriangles))) {
+    }
+  } else {
+    do {
+      count *= 2;
+      if (count >= all) return Undecimated(dense);
+    } while (!attempt(count));
+  }
+  while (coarse > 0 && static_cast<double>(fine) > kCountPrecision * static_cast<double>(coarse)) {
+    const int64_t middle =
+        std::llround(std::sqrt(static_cast<double>(fine) * static_cast<double>(coarse)));
+    if (middle <= coarse || middle >= fine) break;
+    attempt(middle);
+  }
+  return std::move(*best);
+}
+
+}  // namespace lfm

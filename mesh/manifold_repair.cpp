@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/manifold_repair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "core/error.h"
+
+namespace lfm {
+namespace {
+
+constexpr double kSmallestVolume = 0.02;
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int Find(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void Unite(int a, int b) {
+    a = Find(a), b = Find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+// Triangles with three different corners; of each set with the same corners, as many as are left
+// when opposite ones have cancelled, at most one.
+std::vector<Eigen::Vector3i> CancelDuplicates(const std::vector<Eigen::Vector3i>& triangles) {
+  struct Entry {
+    std::array<int, 3> corners;
+    int triangle, sign;
+  };
+  std::vector<Entry> entries;
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    std::array<int, 3> c = {triangles[t][0], triangles[t][1], triangles[t][2]};
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
+    const int sign = c[1] < c[2] ? 1 : -1;
+    std::sort(c.begin(), c.end());
+    entries.push_back({c, static_cast<int>(t), sign});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.corners, a.triangle) < std::tie(b.corners, b.triangle);
+  });
+  std::vector<int> kept;
+  for (size_t i = 0; i < entries.size();) {
+    size_t end = i;
+    int sum = 0;
+    while (end < entries.size() && entries[end].corners == entries[i].corners) {
+      sum += entries[end++].sign;
+    }
+    for (size_t k = i; k < end && sum != 0; ++k) {
+      if ((entries[k].sign > 0) != (sum > 0)) continue;
+      kept.push_back(entries[k].triangle);
+      break;
+    }
+    i = end;
+  }
+  std::sort(kept.begin(), kept.end());
+  std::vector<Eigen::Vector3i> result;
+  for (const int t : kept) result.push_back(triangles[t]);
+  return result;
+}
+
+struct HalfEdge {
+  int low, high;  ///< the edge's vertices
+  int corner;     ///< 3 * triangle + corner at which it starts
+  bool forward;   ///< runs from low to high
+};
+
+// Around an edge from low to high, the angle at which a triangle leaves it, in [0, 2 pi).
+double AngleAround(const TriangleMesh& mesh, const HalfEdge& half_edge,
+                   const Eigen::Vector3d& reference) {
+  const Eigen::Vector3d origin = mesh.vertices[half_edge.low];
+  const Eigen::Vector3d axis = (mesh.vertices[half_edge.high] - origin).normalized();
+  const int apex = mesh.triangles[half_edge.corner / 3][(half_edge.corner % 3 + 2) % 3];
+  const Eigen::Vector3d arm = mesh.vertices[apex] - origin;
+  const double angle = std::atan2(axis.dot(reference.cross(arm)),
+                                  arm.dot(reference) - axis.dot(reference) * axis.dot(arm));
+  return angle < 0 ? angle + 2 * M_PI : angle;
+}
+
+// Pairs of half-edges of one edge that bound the same wedge of solid. Counter-clockwise about the
+// edge (low to high), a forward triangle has the outside behind its right-hand normal, the inside
+// before it: the solid lies between it and the next backward one clockwise.
+std::vector<std::pair<int, int>> PairAroundEdge(const TriangleMesh& mesh,
+                                                const std::vector<HalfEdge>& fan) {
+  const auto forward = std::count_if(fan.begin(), fan.end(), [](auto& h) { return h.forward; });
+  if (2 * forward != static_cast<int64_t>(fan.size())) {
+    throw Error("reconstruction: the surface has a hole that could not be closed");
+  }
+  if (fan.size() == 2) return {{fan[0].corner, fan[1].corner}};
+  const int apex = mesh.triangles[fan[0].corner / 3][(fan[0].corner % 3 + 2) % 3];
+  const Eigen::Vector3d reference = mesh.vertices[apex] - mesh.vertices[fan[0].low];
+  std::vector<std::pair<double, size_t>> order;
+  for (size_t i = 0; i < fan.size(); ++i) {
+    order.emplace_back(AngleAround(mesh, fan[i], reference), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<char> used(fan.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (!fan[order[i].second].forward) continue;
+    for (size_t step = 1; step < order.size(); ++step) {
+      const size_t other = order[(i + order.size() - step) % order.size()].second;
+      if (fan[other].forward || used[other]) continue;
+      used[other] = 1;
+      pairs.emplace_back(fan[order[i].second].corner, fan[other].corner);
+      break;
+    }
+  }
+  return pairs;
+}
+
+std::vector<HalfEdge> SortedHalfEdges(const TriangleMesh& mesh) {
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(3 * mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+      half_edges.push_back({std::min(a, b), std::max(a, b), static_cast<int>(3 * t) + k, a < b});
+    }
+  }
+  std::sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.corner) < std::tie(b.low, b.high, b.corner);
+  });
+  return half_edges;
+}
+
+// Every fan of triangles that hang together over edges gets its own vertex.
+TriangleMesh SplitFans(const TriangleMesh& mesh, std::vector<int>& piece_of_triangle) {
+  const std::vector<HalfEdge> half_edges = SortedHalfEdges(mesh);
+  DisjointSets corners(3 * mesh.triangles.size()), pieces(mesh.triangles.size());
+  for (size_t i = 0; i < half_edges.size();) {
+    size_t end = i;
+    while (end < half_edges.size() && half_edges[end].low == half_edges[i].low &&
+           half_edges[end].high == half_edges[i].high) {
+      ++end;
+    }
+    const std::vector<HalfEdge> fan(half_edges.begin() + i, half_edges.begin() + end);
+    for (const auto& [a, b] : PairAroundEdge(mesh, fan)) {
+      const auto next = [](int corner) { return corner / 3 * 3 + (corner % 3 + 1) % 3; };
+      corners.Unite(a, next(b));
+      corners.Unite(next(a), b);
+      pieces.Unite(a / 3, b / 3);
+    }
+    i = end;
+  }
+  TriangleMesh split;
+  std::vector<int> vertex_of_set(3 * mesh.triangles.size(), -1);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Eigen::Vector3i triangle;
+    for (int k = 0; k < 3; ++k) {
+      int& vertex = vertex_of_set[corners.Find(static_cast<int>(3 * t) + k)];
+      if (vertex < 0) {
+        vertex = static_cast<int>(split.vertices.size());
+        split.vertices.push_back(mesh.vertices[mesh.triangles[t][k]]);
+      }
+      triangle[k] = vertex;
+    }
+    split.triangles.push_back(triangle);
+    piece_of_triangle.push_back(pieces.Find(static_cast<int>(t)));
+  }
+  return split;
+}
+
+}  // namespace
+
+TriangleMesh SelectTriangles(const TriangleMesh& mesh, const std::vector<char>& keep) {
+  TriangleMesh selected;
+  std::vector<int> new_index(mesh.vertices.size(), -1);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!keep[t]) continue;
+    Eigen::Vector3i triangle;
+    for (int k = 0; k < 3; ++k) {
+      const int old_index = mesh.triangles[t][k];
+      if (new_index[old_index] < 0) {
+        new_index[old_index] = static_cast<int>(selected.vertices.size());
+        selected.vertices.push_back(mesh.vertices[old_index]);
+        if (!mesh.normals.empty()) selected.normals.push_back(mesh.normals[old_index]);
+        if (!mesh.confidence.empty()) selected.confidence.push_back(mesh.confidence[old_index]);
+        if (!mesh.colors.empty()) selected.colors.push_back(mesh.colors[old_index]);
+      }
+      triangle[k] = new_index[old_index];
+    }
+    selected.triangles.push_back(triangle);
+  }
+  return selected;
+}
+
+TriangleMesh RepairToClosedManifold(const TriangleMesh& mesh) {
+  ValidateMesh(mesh, "reconstruction");
+  TriangleMesh cleaned;
+  cleaned.vertices = mesh.vertices;
+  cleaned.triangles = CancelDuplicates(mesh.triangles);
+  if (SignedVolume(cleaned) < 0) {
+    for (Eigen::Vector3i& t : cleaned.triangles) std::swap(t[1], t[2]);
+  }
+  std::vector<int> pieces;
+  const TriangleMesh split = SplitFans(cleaned, pieces);
+
+  std::vector<double> volumes(split.triangles.size());
+  const Eigen::Vector3d origin =
+      split.vertices.empty() ? Eigen::Vector3d::Zero().eval() : split.vertices.front();
+  for (size_t t = 0; t < split.triangles.size(); ++t) {
+    const Eigen::Vector3i& c = split.triangles[t];
+    const Eigen::Vector3d a = split.vertices[c[0]] - origin, b = split.vertices[c[1]] - origin;
+    volumes[pieces[t]] += a.dot(b.cross(split.vertices[c[2]] - origin)) / 6;
+  }
+  const double largest = volumes.empty() ? 0 : *std::max_element(volumes.begin(), volumes.end());
+  if (!(largest > 0)) throw Error("reconstruction: the surface bounds no volume");
+  std::vector<char> keep(split.triangles.size());
+  for (size_t t = 0; t < keep.size(); ++t) keep[t] = volumes[pieces[t]] > kSmallestVolume * largest;
+  TriangleMesh repaired = SelectTriangles(split, keep);
+  const MeshTopology topology = ExamineTopology(repaired);
+  if (!topology.closed || !topology.manifold) {
+    throw Error("reconstruction: the surface could not be made closed and manifold");
+  }
+  return repaired;
+}
+
+}  // namespace lfm

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/mesh_files.h"
+
+#include <string>
+
+#include "core/error.h"
+#include "core/json_reader.h"
+#include "core/ply.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kVersion = 1;
+
+nlohmann::json CountsToJson(const TriangleMesh& mesh) {
+  const MeshTopology topology = ExamineTopology(mesh);
+  return {{"vertices", mesh.vertices.size()},
+          {"triangles", mesh.triangles.size()},
+          {"components", topology.components},
+          {"closed_manifold", topology.closed && topology.manifold}};
+}
+
+void CheckCounts(JsonReader reader, const TriangleMesh& mesh, const std::string& file) {
+  constexpr int kMost = 2000000000;
+  const int vertices = reader.Integer("vertices", 0, kMost);
+  const int triangles = reader.Integer("triangles", 0, kMost);
+  reader.Integer("components", 0, kMost);
+  reader.Bool("closed_manifold");
+  reader.Finish();
+  if (static_cast<size_t>(vertices) != mesh.vertices.size() ||
+      static_cast<size_t>(triangles) != mesh.triangles.size()) {
+    throw Error(file + ": its size differs from what mesh.json says; run lfm-mesh again");
+  }
+}
+
+TriangleMesh ReadWithData(const std::filesystem::path& file) {
+  TriangleMesh mesh = ReadPlyMesh(file);
+  ValidateMesh(mesh, file.string().c_str());
+  if (mesh.normals.empty() || mesh.confidence.empty()) {
+    throw Error(file.string() + ": normals or confidence are missing; run lfm-mesh again");
+  }
+  return mesh;
+}
+
+}  // namespace
+
+void SaveMesh(const MeshResult& result, const std::filesystem::path& folder) {
+  WritePly(result.surface, folder / "surface.ply");
+  WritePly(result.mesh, folder / "mesh.ply");
+  const nlohmann::json json = {{"version", kVersion},
+                               {"pixel_mm", result.pixel_mm},
+                               {"deviation_mean_mm", result.deviation_mean_mm},
+                               {"deviation_p95_mm", result.deviation_p95_mm},
+                               {"surface", CountsToJson(result.surface)},
+                               {"mesh", CountsToJson(result.mesh)}};
+  WriteJson(json, folder / "mesh.json");
+}
+
+MeshResult LoadMesh(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "mesh.json";
+  const nlohmann::json json = ReadJson(file);
+  JsonReader reader(json, file.string());
+  reader.Integer("version", kVersion, kVersion);
+  MeshResult result;
+  result.pixel_mm = reader.Number("pixel_mm");
+  if (!(result.pixel_mm > 0)) reader.Fail("pixel_mm", "expected a positive number");
+  result.deviation_mean_mm = reader.Number("deviation_mean_mm");
+  result.deviation_p95_mm = reader.Number("deviation_p95_mm");
+  result.surface = ReadWithData(folder / "surface.ply");
+  result.mesh = ReadWithData(folder / "mesh.ply");
+  CheckCounts(reader.Object("surface"), result.surface, (folder / "surface.ply").string());
+  CheckCounts(reader.Object("mesh"), result.mesh, (folder / "mesh.ply").string());
+  reader.Finish();
+  return result;
+}
+
+}  // namespace lfm

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "calib/calib.h"
+#include "core/ray_scene.h"
+#include "core/triangle_mesh.h"
+
+namespace lfm {
+
+/// Size of a photograph's pixel at the object, mm: the median of depth / focal length over points
+/// spread over the surface and the train photographs that see them (all photographs when none is
+/// for training). Throws Error when there is no photograph, or none sees the object.
+double MedianPixelFootprint(const TriangleMesh& surface, const RayScene& scene,
+                            const CalibResult& calib);
+
+}  // namespace lfm
