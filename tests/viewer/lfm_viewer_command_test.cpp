@@ -98,6 +98,14 @@ TEST_F(LfmViewerCommand, WireframeAndPanelAreSeenWhenAskedFor) {
   EXPECT_EQ(right, 0);
 }
 
+TEST_F(LfmViewerCommand, RunsUntilInterrupted) {
+  const CommandOutcome outcome =
+      RunCommand({"xvfb-run", "-a", "timeout", "--preserve-status", "--signal=INT", "2", kLfmViewer,
+                  model_, "--size", "300x200"});
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  EXPECT_GE(outcome.elapsed_in_seconds, 1.9);
+}
+
 TEST_F(LfmViewerCommand, SaysWhatToDoWithoutADisplay) {
   const CommandOutcome outcome = RunWithoutDisplay({model_, "--screenshot", picture_});
   EXPECT_EQ(outcome.status, 1);
