@@ -3,6 +3,7 @@
 
 #include "core/options.h"
 #include "core/progress.h"
+#include "encode/light_field_source.h"
 #include "encode/model.h"
 #include "resample/light_field.h"
 
@@ -10,9 +11,15 @@ namespace lfm {
 
 struct EncodeOptions {
   int terms = 3;
+  double guessed_weight = 0.2;
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
+    v.Number({"guessed-weight",
+              "How much directions outside the hull of the photographs count in the fit, against "
+              "1 for those inside.",
+              "", 0.01, 1},
+             guessed_weight);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
   }
@@ -23,14 +30,30 @@ struct EncodeResult {
   double terms_mean = 0;
   int terms_max = 0;
   int64_t maps_bytes = 0;
-  double compression_ratio = 0;              ///< dense_bytes / maps_bytes
-  double matrix_psnr_db = 0;                 ///< quantised model against the resampled light field
+  double compression_ratio = 0;  ///< dense_bytes / maps_bytes
+  /// The quantised model against the resampled light field, 1.0 being the peak: over all vertex
+  /// matrices F^v (hat-weighted, mean view removed, all grid directions alike, guessed ones too),
+  /// mean squared error weighted by their number of entries M x 3N; -10 log10 of it, 99 at most.
+  /// This is the paper's "weighted average over all light field matrices" (Section 6.2); being
+  /// hat-weighted it reads higher than the PSNR of a picture.
+  double matrix_psnr_db = 0;
+  double matrix_psnr_mean_only_db = 0;       ///< the same for the mean view alone
   std::vector<double> singular_value_share;  ///< mean share of energy, term by term
+  int unseen_triangles = 0;                  ///< filled from their neighbours
+  int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
 };
 
 /// Factorises every vertex light field (PCA of the hat-weighted blocks, in factored form),
-/// quantises in closed loop, and tiles the maps.
+/// quantises in closed loop, and tiles the maps. Two runs give the same bytes, whatever the number
+/// of threads. Memory: the model, and one vertex ring a thread.
+///
+/// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
+/// Triangles that nobody saw are filled from their neighbours. Throws Error when nobody saw
+/// anything, or the light field is inconsistent.
 EncodeResult Encode(const LightField& light_field, const EncodeOptions& options,
+                    Progress& progress);
+/// The same from data in memory.
+EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options,
                     Progress& progress);
 
 }  // namespace lfm

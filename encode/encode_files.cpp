@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/encode_files.h"
+
+#include <limits>
+
+#include "core/json_reader.h"
+#include "encode/glb.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kMaxCount = std::numeric_limits<int>::max();
+
+}  // namespace
+
+int64_t SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
+  const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
+  WriteJson({{"terms_mean", result.terms_mean},
+             {"terms_max", result.terms_max},
+             {"model_bytes", model_bytes},
+             {"maps_bytes", result.maps_bytes},
+             {"compression_ratio", result.compression_ratio},
+             {"matrix_psnr_db", result.matrix_psnr_db},
+             {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
+             {"singular_value_share", result.singular_value_share},
+             {"unseen_triangles", result.unseen_triangles}},
+            folder / "encode.json");
+  return model_bytes;
+}
+
+EncodeResult LoadEncode(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "encode.json";
+  const nlohmann::json json = ReadJson(file);
+  EncodeResult result;
+  result.model = ReadGlb(folder / "model.glb");
+  JsonReader reader(json, file.string());
+  result.terms_mean = reader.Number("terms_mean");
+  result.terms_max = reader.Integer("terms_max", 0, 16);
+  result.model_bytes = static_cast<int64_t>(reader.Number("model_bytes"));
+  result.maps_bytes = static_cast<int64_t>(reader.Number("maps_bytes"));
+  result.compression_ratio = reader.Number("compression_ratio");
+  result.matrix_psnr_db = reader.Number("matrix_psnr_db");
+  result.matrix_psnr_mean_only_db = reader.Number("matrix_psnr_mean_only_db");
+  result.singular_value_share =
+      reader.Numbers("singular_value_share", static_cast<size_t>(result.model.terms));
+  result.unseen_triangles = reader.Integer("unseen_triangles", 0, kMaxCount);
+  reader.Finish();
+  return result;
+}
+
+}  // namespace lfm

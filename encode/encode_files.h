@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "encode/encode.h"
+
+namespace lfm {
+
+/// Writes `folder/model.glb` and `folder/encode.json` (the figures, with model_bytes), each
+/// atomically. Returns the size of model.glb in bytes.
+int64_t SaveEncode(const EncodeResult& result, const std::filesystem::path& folder);
+/// Reads both back, model_bytes set. Throws Error when one is missing or damaged.
+EncodeResult LoadEncode(const std::filesystem::path& folder);
+
+}  // namespace lfm

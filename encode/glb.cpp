@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/glb.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "encode/glb_container.h"
+#include "encode/glb_format.h"
+
+namespace lfm {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kVertexTarget = 34962, kIndexTarget = 34963;
+constexpr int kLinear = 9729, kClampToEdge = 33071;
+
+// Texture coordinates of a patch corner: the texel's centre.
+Eigen::Vector2f CornerTexcoord(const PatchPlacement& placement, const Image& page, int corner) {
+  const int last = (placement.flipped ? -1 : 1) * (placement.edge_samples - 1);
+  const float x = placement.origin.x() + (corner == 1 ? last : 0) + 0.5f;
+  const float y = placement.origin.y() + (corner == 2 ? last : 0) + 0.5f;
+  return {x / static_cast<float>(page.width()), y / static_cast<float>(page.height())};
+}
+
+// The plain mesh that any glTF viewer shows: three vertices a triangle, one primitive a page.
+void AddPlainMesh(const LightFieldModel& model, GlbBuilder& builder) {
+  std::vector<float> positions, texcoords;
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(HUGE_VALF), high = -low;
+  std::vector<std::vector<uint32_t>> indices(model.mean_pages.size());
+  for (size_t t = 0; t < model.placements.size(); ++t) {
+    const PatchPlacement& placement = model.placements[t];
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector3f p = model.mesh.vertices[model.mesh.triangles[t][c]].cast<float>();
+      const Eigen::Vector2f uv = CornerTexcoord(placement, model.mean_pages[placement.page], c);
+      positions.insert(positions.end(), p.data(), p.data() + 3);
+      texcoords.insert(texcoords.end(), uv.data(), uv.data() + 2);
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+      indices[placement.page].push_back(static_cast<uint32_t>(3 * t + c));
+    }
+  }
+  const int position =
+      builder.AddAccessor(positions, GltfComponent::kFloat32, GltfShape::kVec3, kVertexTarget);
+  builder.accessor(position)["min"] = {low[0], low[1], low[2]};
+  builder.accessor(position)["max"] = {high[0], high[1], high[2]};
+  const int texcoord =
+      builder.AddAccessor(texcoords, GltfComponent::kFloat32, GltfShape::kVec2, kVertexTarget);
+  json primitives = json::array();
+  for (size_t page = 0; page < indices.size(); ++page) {
+    const int accessor = builder.AddAccessor(indices[page], GltfComponent::kUint32,
+                                             GltfShape::kScalar, kIndexTarget);
+    primitives.push_back({{"attributes", {{"POSITION", position}, {"TEXCOORD_0", texcoord}}},
+                          {"indices", accessor},
+                          {"material", page}});
+  }
+  builder.json["meshes"] = json::array({{{"name", "mean view"}, {"primitives", primitives}}});
+}
+
+void AddMaterials(const std::vector<int>& mean_images, json& document) {
+  document["samplers"] = json::array({{{"magFilter", kLinear},
+                                       {"minFilter", kLinear},
+                                       {"wrapS", kClampToEdge},
+                                       {"wrapT", kClampToEdge}}});
+  for (size_t page = 0; page < mean_images.size(); ++page) {
+    document["textures"].push_back({{"sampler", 0}, {"source", mean_images[page]}});
+    document["materials"].push_back(
+        {{"name", "mean view " + std::to_string(page)},
+         {"pbrMetallicRoughness",
+          {{"baseColorTexture", {{"index", page}}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+         {"extensions", {{"KHR_materials_unlit", json::object()}}}});
+  }
+}
+
+// Millimetres to metres; world z up to glTF's y up: a turn by -90 degrees about x.
+void AddScene(json& document) {
+  const double half = std::sqrt(0.5);
+  document["nodes"] = json::array({{{"name", "millimetres, z up"},
+                                    {"mesh", 0},
+                                    {"rotation", {-half, 0, 0, half}},
+                                    {"scale", {0.001, 0.001, 0.001}}}});
+  document["scenes"] = json::array({{{"nodes", {0}}}});
+  document["scene"] = 0;
+}
+
+// Every page as PNG bytes; the slow part, so in parallel.
+std::vector<std::vector<std::byte>> EncodePages(const std::vector<const Image*>& pages) {
+  std::vector<std::vector<std::byte>> bytes(pages.size());
+  ParallelFor(0, static_cast<int64_t>(pages.size()),
+              [&](int64_t i) { bytes[i] = EncodePng(*pages[i], glb::kPngCompression); });
+  return bytes;
+}
+
+struct ImageIndices {
+  std::vector<int> mean;
+  std::vector<std::vector<int>> surface, view;
+};
+
+ImageIndices AddImages(const LightFieldModel& model, GlbBuilder& builder) {
+  std::vector<const Image*> pages;
+  std::vector<std::string> names;
+  const auto collect = [&](const std::vector<Image>& images, const std::string& what) {
+    for (size_t page = 0; page < images.size(); ++page) {
+      pages.push_back(&images[page]);
+      names.push_back(what + ", page " + std::to_string(page));
+    }
+  };
+  collect(model.mean_pages, "mean view");
+  for (int k = 0; k < model.terms; ++k) {
+    collect(model.surface_pages[k], "surface maps, term " + std::to_string(k + 1));
+    collect(model.view_pages[k], "view maps, term " + std::to_string(k + 1));
+  }
+  const auto bytes = EncodePages(pages);
+  size_t next = 0;
+  const auto add = [&](size_t count) {
+    std::vector<int> indices;
+    for (size_t i = 0; i < count; ++i, ++next) {
+      indices.push_back(builder.AddPng(bytes[next], names[next]));
+    }
+    return indices;
+  };
+  ImageIndices indices;
+  indices.mean = add(model.mean_pages.size());
+  for (int k = 0; k < model.terms; ++k) {
+    indices.surface.push_back(add(model.surface_pages[k].size()));
+    indices.view.push_back(add(model.view_pages[k].size()));
+  }
+  return indices;
+}
+
+std::vector<float> FrameQuaternions(const LightFieldModel& model) {
+  std::vector<float> values;
+  for (const Eigen::Matrix3d& frame : model.vertex_frames) {
+    Eigen::Quaterniond q(frame);
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    for (const double value : {q.x(), q.y(), q.z(), q.w()}) {
+      values.push_back(static_cast<float>(value));
+    }
+  }
+  return values;
+}
+
+std::vector<uint16_t> PackedPlacements(const LightFieldModel& model) {
+  std::vector<uint16_t> values;
+  for (const PatchPlacement& p : model.placements) {
+    const int size = 2 * p.edge_samples + (p.flipped ? 1 : 0);
+    for (const int value : {p.page, p.origin.x(), p.origin.y(), size}) {
+      values.push_back(static_cast<uint16_t>(value));
+    }
+  }
+  return values;
+}
+
+std::vector<float> PackedRanges(const std::vector<MapRange>& ranges) {
+  std::vector<float> values;
+  for (const MapRange& range : ranges) values.insert(values.end(), {range.scale, range.bias});
+  return values;
+}
+
+json ExtensionGeometry(const LightFieldModel& model, GlbBuilder& builder) {
+  std::vector<float> vertices;
+  for (const Eigen::Vector3d& p : model.mesh.vertices) {
+    for (const double value : p) vertices.push_back(static_cast<float>(value));
+  }
+  std::vector<uint32_t> triangles;
+  for (const Eigen::Vector3i& t : model.mesh.triangles) {
+    for (const int vertex : t) triangles.push_back(static_cast<uint32_t>(vertex));
+  }
+  const std::vector<uint8_t> terms(model.vertex_terms.begin(), model.vertex_terms.end());
+  return {{"vertices", builder.AddAccessor(vertices, GltfComponent::kFloat32, GltfShape::kVec3)},
+          {"triangles", builder.AddAccessor(triangles, GltfComponent::kUint32, GltfShape::kScalar)},
+          {"frames",
+           builder.AddAccessor(FrameQuaternions(model), GltfComponent::kFloat32, GltfShape::kVec4)},
+          {"vertexTerms", builder.AddAccessor(terms, GltfComponent::kUint8, GltfShape::kScalar)},
+          {"placements",
+           builder.AddAccessor(PackedPlacements(model), GltfComponent::kUint16, GltfShape::kVec4)}};
+}
+
+void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbBuilder& builder) {
+  json extension = ExtensionGeometry(model, builder);
+  extension["version"] = glb::kVersion;
+  extension["terms"] = model.terms;
+  extension["grid"] = model.grid;
+  extension["directionMap"] = glb::kDirectionMapNames[static_cast<int>(model.direction_map)];
+  extension["meanImages"] = images.mean;
+  extension["surfaceImages"] = images.surface;
+  extension["viewImages"] = images.view;
+  extension["viewTilesPerRow"] = model.view_tiles_per_row;
+  extension["viewTilesPerPage"] = model.view_tiles_per_page;
+  if (model.terms > 0) {
+    extension["surfaceRanges"] = builder.AddAccessor(PackedRanges(model.surface_ranges),
+                                                     GltfComponent::kFloat32, GltfShape::kVec2);
+    extension["viewRanges"] = builder.AddAccessor(PackedRanges(model.view_ranges),
+                                                  GltfComponent::kFloat32, GltfShape::kVec2);
+  }
+  builder.json["extensions"][glb::kExtension] = extension;
+  builder.json["extensionsUsed"] = {"KHR_materials_unlit", glb::kExtension};
+}
+
+}  // namespace
+
+int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file) {
+  GlbBuilder builder;
+  builder.json["asset"] = {{"version", "2.0"}, {"generator", "lfm " LFM_VERSION}};
+  AddPlainMesh(model, builder);
+  const ImageIndices images = AddImages(model, builder);
+  AddMaterials(images.mean, builder.json);
+  AddScene(builder.json);
+  AddExtension(model, images, builder);
+  const std::string bytes = BuildGlb(builder.Finish());
+  WriteFileAtomically(file, bytes);
+  return static_cast<int64_t>(bytes.size());
+}
+
+}  // namespace lfm

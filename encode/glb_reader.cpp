@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Trusts nothing: every index, count and offset is checked before it is used, and sizes of pictures
+// are read from their headers before anything is decoded.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "encode/glb.h"
+#include "encode/glb_container.h"
+#include "encode/glb_format.h"
+
+namespace lfm {
+namespace {
+
+using nlohmann::json;
+
+constexpr int64_t kMaxTexels = int64_t{1} << 28;  // of all pages together: 0.8 GB
+constexpr size_t kPngHeaderBytes = 29;            // signature, IHDR length, name and content
+
+// The document with its file's name, for messages.
+struct Document {
+  const GlbContainer& container;
+  std::string file;
+
+  [[noreturn]] void Fail(const std::string& problem) const {
+    throw Error(file + ": " + problem + "; run lfm-encode again");
+  }
+  void Require(bool condition, const std::string& problem) const {
+    if (!condition) Fail(problem);
+  }
+};
+
+const json& Member(const Document& doc, const json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key)) {
+    doc.Fail(std::string("\"") + key + "\" is missing");
+  }
+  return object[key];
+}
+
+int64_t Integer(const Document& doc, const json& object, const char* key, int64_t min,
+                int64_t max) {
+  const json& value = Member(doc, object, key);
+  const bool fits = value.is_number_unsigned() ? value.get<uint64_t>() <= uint64_t(INT64_MAX)
+                                               : value.is_number_integer();
+  const int64_t number = fits ? value.get<int64_t>() : 0;
+  if (!fits || number < min || number > max) {
+    doc.Fail(std::string("\"") + key + "\" must be an integer in [" + std::to_string(min) + ", " +
+             std::to_string(max) + "]");
+  }
+  return number;
+}
+
+const json& Element(const Document& doc, const char* list, int64_t index) {
+  const json& array = Member(doc, doc.container.json, list);
+  doc.Require(array.is_array() && index < static_cast<int64_t>(array.size()),
+              std::string("an index into \"") + list + "\" is out of range");
+  return array[static_cast<size_t>(index)];
+}
+
+constexpr int64_t kAnyIndex = std::numeric_limits<int32_t>::max();
+
+std::string_view BufferView(const Document& doc, const json& owner) {
+  const json& view = Element(doc, "bufferViews", Integer(doc, owner, "bufferView", 0, kAnyIndex));
+  const auto size = static_cast<int64_t>(doc.container.binary.size());
+  const int64_t offset =
+      view.contains("byteOffset") ? Integer(doc, view, "byteOffset", 0, size) : 0;
+  const int64_t length = Integer(doc, view, "byteLength", 1, size);
+  Integer(doc, view, "buffer", 0, 0);
+  doc.Require(offset <= size - length, "a buffer view reaches beyond the binary chunk");
+  doc.Require(!view.contains("byteStride"), "strided buffer views are not used here");
+  return std::string_view(doc.container.binary).substr(offset, length);
+}
+
+template <typename T>
+std::vector<T> Accessor(const Document& doc, const json& extension, const char* key,
+                        GltfComponent component, GltfShape shape, int64_t count) {
+  const json& accessor = Element(doc, "accessors", Integer(doc, extension, key, 0, kAnyIndex));
+  const std::string name = std::string("accessor \"") + key + "\"";
+  doc.Require(Integer(doc, accessor, "componentType", 0, 65535) == static_cast<int>(component) &&
+                  Member(doc, accessor, "type") == ShapeName(shape) &&
+                  !accessor.contains("byteOffset") && !accessor.contains("sparse"),
+              name + " has another type");
+  const int64_t stated = Integer(doc, accessor, "count", 1, kAnyIndex);
+  doc.Require(count < 0 || stated == count, name + " has another length");
+  const std::string_view bytes = BufferView(doc, accessor);
+  const size_t values = static_cast<size_t>(stated) * static_cast<int>(shape);
+  doc.Require(bytes.size() == values * sizeof(T), name + " does not fill its buffer view");
+  std::vector<T> result(values);
+  std::memcpy(result.data(), bytes.data(), bytes.size());
+  return result;
+}
+
+std::vector<float> Floats(const Document& doc, const json& extension, const char* key,
+                          GltfShape shape, int64_t count) {
+  std::vector<float> values =
+      Accessor<float>(doc, extension, key, GltfComponent::kFloat32, shape, count);
+  for (const float value : values) {
+    doc.Require(std::isfinite(value), std::string("accessor \"") + key + "\" is not finite");
+  }
+  return values;
+}
+
+void ReadMesh(const Document& doc, const json& extension, LightFieldModel& model) {
+  const auto vertices = Floats(doc, extension, "vertices", GltfShape::kVec3, -1);
+  const auto count = static_cast<int64_t>(vertices.size() / 3);
+  for (int64_t v = 0; v < count; ++v) {
+    model.mesh.vertices.emplace_back(vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]);
+  }
+  const auto corners = Accessor<uint32_t>(doc, extension, "triangles", GltfComponent::kUint32,
+                                          GltfShape::kScalar, -1);
+  doc.Require(corners.size() % 3 == 0, "accessor \"triangles\" has another length");
+  for (size_t c = 0; c < corners.size(); c += 3) {
+    for (size_t e = c; e < c + 3; ++e) {
+      doc.Require(corners[e] < vertices.size() / 3, "a triangle names a vertex that is not there");
+    }
+    model.mesh.triangles.emplace_back(corners[c], corners[c + 1], corners[c + 2]);
+  }
+}
+
+void ReadFrames(const Document& doc, const json& extension, LightFieldModel& model) {
+  const auto count = static_cast<int64_t>(model.mesh.vertices.size());
+  const auto frames = Floats(doc, extension, "frames", GltfShape::kVec4, count);
+  for (int64_t v = 0; v < count; ++v) {
+    const float* q = frames.data() + 4 * v;
+    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+    doc.Require(std::abs(rotation.norm() - 1) < 1e-3, "a vertex frame is not a unit quaternion");
+    model.vertex_frames.push_back(rotation.normalized().toRotationMatrix());
+    model.mesh.normals.push_back(model.vertex_frames.back().col(2));
+  }
+}
+
+std::vector<MapRange> ReadRanges(const Document& doc, const json& extension, const char* key,
+                                 int64_t count) {
+  std::vector<MapRange> ranges;
+  const auto values = Floats(doc, extension, key, GltfShape::kVec2, count);
+  for (size_t i = 0; i < values.size(); i += 2) ranges.push_back({values[i], values[i + 1]});
+  return ranges;
+}
+
+void ReadTerms(const Document& doc, const json& extension, LightFieldModel& model) {
+  const auto vertices = static_cast<int64_t>(model.mesh.vertices.size());
+  model.terms = static_cast<int>(Integer(doc, extension, "terms", 0, glb::kMaxTerms));
+  const auto terms = Accessor<uint8_t>(doc, extension, "vertexTerms", GltfComponent::kUint8,
+                                       GltfShape::kScalar, vertices);
+  for (const uint8_t count : terms) {
+    doc.Require(count <= model.terms, "a vertex has more terms than the model");
+    model.vertex_terms.push_back(count);
+  }
+  if (model.terms == 0) return;
+  model.surface_ranges = ReadRanges(doc, extension, "surfaceRanges", model.terms * vertices);
+  model.view_ranges = ReadRanges(doc, extension, "viewRanges", model.terms * vertices);
+}
+
+// A page that is known to be a small enough RGB picture, not yet decoded.
+struct PendingPage {
+  std::string_view png;
+  Eigen::Vector2i size = {0, 0};
+};
+
+int BigEndian(const char* bytes) {
+  int64_t value = 0;
+  for (int i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
+  return static_cast<int>(std::min<int64_t>(value, kAnyIndex));
+}
+
+PendingPage FindPage(const Document& doc, const json& index) {
+  doc.Require(index.is_number_unsigned() && index.get<uint64_t>() <= uint64_t{kAnyIndex},
+              "an image index is not a small integer");
+  const json& image = Element(doc, "images", index.get<int64_t>());
+  PendingPage page{BufferView(doc, image)};
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  const bool is_png = page.png.size() > kPngHeaderBytes && page.png.starts_with(kSignature) &&
+                      page.png.substr(12, 4) == "IHDR";
+  doc.Require(is_png, "an image is not a PNG");
+  const char* header = page.png.data() + 16;
+  page.size = {BigEndian(header), BigEndian(header + 4)};
+  doc.Require(header[8] == 8 && header[9] == 2, "an image is not 8-bit RGB");
+  doc.Require(page.size.minCoeff() >= 1 && page.size.maxCoeff() <= glb::kMaxTextureSize,
+              "an image is larger than 16384 texels a side");
+  return page;
+}
+
+std::vector<PendingPage> FindPages(const Document& doc, const json& indices) {
+  doc.Require(indices.is_array(), "a list of images is not an array");
+  std::vector<PendingPage> pages;
+  for (const json& index : indices) pages.push_back(FindPage(doc, index));
+  return pages;
+}
+
+struct PendingPages {
+  std::vector<PendingPage> mean;
+  std::vector<std::vector<PendingPage>> surface, view;
+};
+
+PendingPages FindAllPages(const Document& doc, const json& extension, int terms) {
+  PendingPages pages;
+  pages.mean = FindPages(doc, Member(doc, extension, "meanImages"));
+  const auto lists = [&](const char* key) {
+    const json& list = Member(doc, extension, key);
+    doc.Require(list.is_array() && static_cast<int>(list.size()) == terms,
+                std::string("\"") + key + "\" does not have one list a term");
+    std::vector<std::vector<PendingPage>> result;
+    for (const json& indices : list) result.push_back(FindPages(doc, indices));
+    return result;
+  };
+  pages.surface = lists("surfaceImages");
+  pages.view = lists("viewImages");
+  return pages;
+}
+
+void CheckPageSizes(const Document& doc, const PendingPages& pages) {
+  const auto same = [](const std::vector<PendingPage>& a, const std::vector<PendingPage>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const PendingPage& p, const PendingPage& q) { return p.size == q.size; });
+  };
+  int64_t texels = 0;
+  const auto count = [&](const std::vector<PendingPage>& list) {
+    for (const PendingPage& page : list) texels += int64_t{page.size.x()} * page.size.y();
+    doc.Require(texels <= kMaxTexels, "the pages hold more texels than a model may have");
+  };
+  count(pages.mean);
+  for (const auto& list : pages.surface) {
+    doc.Require(same(list, pages.mean), "surface pages differ in size from the mean pages");
+    count(list);
+  }
+  for (const auto& list : pages.view) {
+    doc.Require(same(list, pages.view[0]), "view pages of two terms differ in size");
+    count(list);
+  }
+}
+
+// Patches with their gutters must lie inside their page.
+void ReadPlacements(const Document& doc, const json& extension,
+                    const std::vector<PendingPage>& pages, LightFieldModel& model) {
+  const auto count = static_cast<int64_t>(model.mesh.triangles.size());
+  const auto values = Accessor<uint16_t>(doc, extension, "placements", GltfComponent::kUint16,
+                                         GltfShape::kVec4, count);
+  for (int64_t t = 0; t < count; ++t) {
+    const uint16_t* v = values.data() + 4 * t;
+    PatchPlacement placement{v[0], {v[1], v[2]}, (v[3] & 1) != 0, v[3] / 2};
+    const int n = placement.edge_samples;
+    bool inside = placement.page < static_cast<int>(pages.size()) && n >= 2;
+    if (inside) {
+      const Eigen::Vector2i size = pages[placement.page].size;
+      const int sign = placement.flipped ? -1 : 1;
+      for (int axis = 0; axis < 2; ++axis) {
+        const int a = placement.origin[axis] - sign, b = placement.origin[axis] + sign * n;
+        inside = inside && std::min(a, b) >= 0 && std::max(a, b) < size[axis];
+      }
+    }
+    doc.Require(inside, "a patch does not lie inside its page");
+    model.placements.push_back(placement);
+  }
+}
+
+void ReadViewLayout(const Document& doc, const json& extension, const PendingPages& pages,
+                    LightFieldModel& model) {
+  model.grid = static_cast<int>(Integer(doc, extension, "grid", 2, 256));
+  const json& name = Member(doc, extension, "directionMap");
+  const auto* known =
+      std::find(std::begin(glb::kDirectionMapNames), std::end(glb::kDirectionMapNames), name);
+  doc.Require(known != std::end(glb::kDirectionMapNames), "\"directionMap\" is not known");
+  model.direction_map = static_cast<DirectionMap>(known - std::begin(glb::kDirectionMapNames));
+  model.view_tiles_per_row =
+      static_cast<int>(Integer(doc, extension, "viewTilesPerRow", 1, glb::kMaxTextureSize));
+  model.view_tiles_per_page =
+      static_cast<int>(Integer(doc, extension, "viewTilesPerPage", 1, kAnyIndex));
+  if (model.terms == 0) return;
+  for (int v = 0; v < static_cast<int>(model.vertex_frames.size()); ++v) {
+    const auto tile = model.ViewTile(v);
+    const bool inside = tile.page < static_cast<int>(pages.view[0].size()) &&
+                        tile.x + model.grid <= pages.view[0][tile.page].size.x() &&
+                        tile.y + model.grid <= pages.view[0][tile.page].size.y();
+    doc.Require(inside, "a view tile does not lie inside its page");
+  }
+}
+
+void DecodePages(const Document& doc, const PendingPages& pending, LightFieldModel& model) {
+  struct Job {
+    const PendingPage* from;
+    Image* to;
+  };
+  std::vector<Job> jobs;
+  const auto plan = [&jobs](const std::vector<PendingPage>& from, std::vector<Image>& to) {
+    to.resize(from.size());
+    for (size_t i = 0; i < from.size(); ++i) jobs.push_back({&from[i], &to[i]});
+  };
+  model.surface_pages.resize(model.terms);
+  model.view_pages.resize(model.terms);
+  plan(pending.mean, model.mean_pages);
+  for (int k = 0; k < model.terms; ++k) {
+    plan(pending.surface[k], model.surface_pages[k]);
+    plan(pending.view[k], model.view_pages[k]);
+  }
+  ParallelFor(0, static_cast<int64_t>(jobs.size()), [&](int64_t i) {
+    const Job& job = jobs[i];
+    *job.to = DecodeImage(reinterpret_cast<const std::byte*>(job.from->png.data()),
+                          job.from->png.size(), doc.file);
+    doc.Require(job.to->width() == job.from->size.x() && job.to->height() == job.from->size.y() &&
+                    job.to->channels() == 3 && job.to->type() == PixelType::kUint8,
+                "an image differs from its header");
+  });
+}
+
+}  // namespace
+
+LightFieldModel ReadGlb(const std::filesystem::path& file) {
+  const GlbContainer container = ParseGlb(ReadFile(file), file.string());
+  const Document doc{container, file.string()};
+  doc.Require(container.json.is_object() && container.json.contains("extensions") &&
+                  container.json["extensions"].is_object() &&
+                  container.json["extensions"].contains(glb::kExtension),
+              std::string("no extension ") + glb::kExtension + ": not a light field model");
+  doc.Require(!container.json.contains("extensionsRequired"),
+              "it requires extensions that are not known");
+  const json& extension = container.json["extensions"][glb::kExtension];
+  Integer(doc, extension, "version", glb::kVersion, glb::kVersion);
+  LightFieldModel model;
+  ReadMesh(doc, extension, model);
+  ReadFrames(doc, extension, model);
+  ReadTerms(doc, extension, model);
+  const PendingPages pages = FindAllPages(doc, extension, model.terms);
+  CheckPageSizes(doc, pages);
+  ReadPlacements(doc, extension, pages.mean, model);
+  ReadViewLayout(doc, extension, pages, model);
+  DecodePages(doc, pages, model);
+  return model;
+}
+
+}  // namespace lfm

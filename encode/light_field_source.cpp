@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/light_field_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+
+namespace lfm {
+namespace {
+
+[[noreturn]] void Fail(int triangle, const std::string& problem) {
+  throw Error("light field: triangle " + std::to_string(triangle) + ": " + problem +
+              "; run lfm-resample again");
+}
+
+void CheckWeights(const ViewWeights& weights, size_t views, size_t directions, int triangle) {
+  if (weights.view.size() != 3 * directions || weights.weight.size() != 3 * directions ||
+      weights.seen.size() != directions) {
+    Fail(triangle, "view weights do not fill the view grid");
+  }
+  for (const uint16_t view : weights.view) {
+    if (view >= views) Fail(triangle, "a view weight names a view that is not there");
+  }
+  for (size_t q = 0; q < directions; ++q) {
+    const float* w = weights.weight.data() + 3 * q;
+    const bool positive = w[0] >= 0 && w[1] >= 0 && w[2] >= 0;
+    if (!positive || !(std::abs(w[0] + w[1] + w[2] - 1) <= 1e-3f)) {
+      Fail(triangle, "view weights are negative or do not sum to one");
+    }
+  }
+}
+
+}  // namespace
+
+LightFieldSource SourceFromLightField(const LightField& light_field) {
+  const LightField* field = &light_field;
+  return {light_field.mesh(),
+          light_field.vertex_frames(),
+          light_field.direction_map(),
+          light_field.grid(),
+          [field](int triangle) { return field->Patch(triangle); },
+          [field](int triangle, int corner, LightField::WeightBuffer& buffer) {
+            return field->Weights(triangle, corner, buffer);
+          },
+          light_field.DenseBytes()};
+}
+
+void CheckSourceTriangle(const LightFieldSource& source, int triangle) {
+  const TrianglePatch patch = source.patch(triangle);
+  if (patch.edge_samples < 2 || patch.edge_samples > 4096) {
+    Fail(triangle, "edge samples must lie in [2, 4096]");
+  }
+  const size_t samples = static_cast<size_t>(PatchSampleCount(patch.edge_samples));
+  if (patch.values.size() != samples * 3 * patch.photos.size()) {
+    Fail(triangle, "the patch does not hold samples x 3 x views values");
+  }
+  if (patch.photos.empty()) return;
+  LightField::WeightBuffer buffer;
+  for (int corner = 0; corner < 3; ++corner) {
+    CheckWeights(source.weights(triangle, corner, buffer), patch.photos.size(),
+                 static_cast<size_t>(source.grid) * source.grid, triangle);
+  }
+}
+
+}  // namespace lfm

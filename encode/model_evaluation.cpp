@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/model_evaluation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "encode/quantization.h"
+
+namespace lfm {
+namespace {
+
+// Four texels and their bilinear weights; offsets are bytes into an RGB page.
+struct Tap {
+  std::array<ptrdiff_t, 4> offset;
+  Eigen::Vector4f weight;
+};
+
+Tap MakeTap(ptrdiff_t texel, ptrdiff_t step_x, ptrdiff_t step_y, float fx, float fy) {
+  return {{3 * texel, 3 * (texel + step_x), 3 * (texel + step_y), 3 * (texel + step_x + step_y)},
+          {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
+}
+
+Eigen::Vector3f Sample(const Image& page, const Tap& tap) {
+  const auto* data = reinterpret_cast<const uint8_t*>(page.Bytes().data());
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const uint8_t* texel = data + tap.offset[k];
+    sum += tap.weight[k] * Eigen::Vector3f(texel[0], texel[1], texel[2]);
+  }
+  return sum;
+}
+
+// Coordinates of a surface point in the patch grid, split into cell and fraction.
+Tap SurfaceTap(const PatchPlacement& placement, int page_width, const Eigen::Vector3d& weights) {
+  const double last = placement.edge_samples - 1;
+  const double x = std::clamp(weights[1], 0.0, 1.0) * last;
+  const double y = std::min(std::clamp(weights[2], 0.0, 1.0) * last, last - x);
+  const int i = std::min(static_cast<int>(x), placement.edge_samples - 2);
+  const int j = std::min(static_cast<int>(y), placement.edge_samples - 2);
+  const ptrdiff_t sign = placement.flipped ? -1 : 1;
+  const ptrdiff_t texel =
+      (placement.origin.y() + sign * j) * ptrdiff_t{page_width} + placement.origin.x() + sign * i;
+  return MakeTap(texel, sign, sign * page_width, static_cast<float>(x - i),
+                 static_cast<float>(y - j));
+}
+
+Tap ViewTap(const LightFieldModel& model, const LightFieldModel::TilePosition& tile, int page_width,
+            int vertex, const Eigen::Vector3d& to_eye) {
+  const Eigen::Vector3d direction = model.vertex_frames[vertex].transpose() * to_eye;
+  const Eigen::Vector2d square = SquareFromDirection(model.direction_map, direction);
+  const double x = std::clamp(square.x(), 0.0, 1.0) * (model.grid - 1);
+  const double y = std::clamp(square.y(), 0.0, 1.0) * (model.grid - 1);
+  const int i = std::min(static_cast<int>(x), model.grid - 2);
+  const int j = std::min(static_cast<int>(y), model.grid - 2);
+  const ptrdiff_t texel = (tile.y + j) * ptrdiff_t{page_width} + tile.x + i;
+  return MakeTap(texel, 1, page_width, static_cast<float>(x - i), static_cast<float>(y - j));
+}
+
+}  // namespace
+
+Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
+                              const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
+                              const EvaluationOptions& options) {
+  const PatchPlacement& placement = model.placements[triangle];
+  const Image& mean_page = model.mean_pages[placement.page];
+  const Tap surface = SurfaceTap(placement, mean_page.width(), weights);
+  Eigen::Vector3f color = Sample(mean_page, surface) / 255;
+
+  const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
+  const int wanted = std::min(options.terms, model.terms);
+  std::array<Eigen::Vector3f, 16> surface_codes;
+  const int shared = std::min<int>(wanted, surface_codes.size());
+  for (int k = 0; k < shared; ++k) {
+    surface_codes[k] = Sample(model.surface_pages[k][placement.page], surface);
+  }
+  const size_t vertices = model.vertex_frames.size();
+  for (int c = 0; c < 3; ++c) {
+    const int vertex = corners[c];
+    const int terms = std::min(shared, model.vertex_terms[vertex]);
+    if (terms <= 0) continue;
+    const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
+    const Tap view = ViewTap(model, tile, model.view_pages[0][tile.page].width(), vertex, to_eye);
+    for (int k = 0; k < terms; ++k) {
+      const size_t range = k * vertices + vertex;
+      const float g = DecodeValue(model.surface_ranges[range], surface_codes[k][c]);
+      const Eigen::Vector3f h = Sample(model.view_pages[k][tile.page], view);
+      const MapRange& view_range = model.view_ranges[range];
+      color.array() += g * (view_range.scale / 255 * h.array() + view_range.bias);
+    }
+  }
+  return color.cwiseMax(0.f).cwiseMin(1.f);
+}
+
+}  // namespace lfm

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Loops over fixed vector types, so that accumulators stay in registers at every width. Each public
+// function picks one of three compilations of the same always-inlined body. Explicit dispatch
+// rather than target_clones: those resolve before the sanitizers are up.
+#include "encode/product_kernels.h"
+
+#define LFM_INLINE [[gnu::always_inline]] inline
+
+namespace lfm::kernels {
+namespace {
+
+// Element alignment: the arrays are ordinary float arrays.
+using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Float16 = float __attribute__((vector_size(64), aligned(4), may_alias));
+using Double8 = double __attribute__((vector_size(64)));
+
+template <typename Lane>
+LFM_INLINE Lane& At(float* p) {
+  return *reinterpret_cast<Lane*>(p);
+}
+template <typename Lane>
+LFM_INLINE const Lane& At(const float* p) {
+  return *reinterpret_cast<const Lane*>(p);
+}
+
+// kCount accumulator rows at once; element (r, i) of the left factor is p[r * row_step + i * step].
+template <typename Lane, int kLanes, int kCount>
+LFM_INLINE void Panel(const float* p, long row_step, long step, int length, const float* z,
+                      float* y) {
+  constexpr int kLane = sizeof(Lane) / sizeof(float);
+  constexpr int kWidth = kLane * kLanes;
+  Lane sum[kCount][kLanes] = {};
+  for (int i = 0; i < length; ++i) {
+    Lane row[kLanes];
+    for (int l = 0; l < kLanes; ++l) row[l] = At<Lane>(z + long{i} * kWidth + l * kLane);
+    for (int r = 0; r < kCount; ++r) {
+      const float factor = p[r * row_step + i * step];
+      for (int l = 0; l < kLanes; ++l) sum[r][l] += factor * row[l];
+    }
+  }
+  for (int r = 0; r < kCount; ++r) {
+    for (int l = 0; l < kLanes; ++l) At<Lane>(y + long{r} * kWidth + l * kLane) = sum[r][l];
+  }
+}
+
+template <typename Lane, int kLanes, int kCount>
+LFM_INLINE void Product(const float* p, int rows, long row_step, long step, int length,
+                        const float* z, float* y) {
+  constexpr int kWidth = sizeof(Lane) / sizeof(float) * kLanes;
+  int r = 0;
+  for (; r + kCount <= rows; r += kCount) {
+    Panel<Lane, kLanes, kCount>(p + r * row_step, row_step, step, length, z, y + long{r} * kWidth);
+  }
+  for (; r < rows; ++r) {
+    Panel<Lane, kLanes, 1>(p + r * row_step, row_step, step, length, z, y + long{r} * kWidth);
+  }
+}
+
+template <typename Lane, int kLanes>
+LFM_INLINE void ToViews(const WeightsByView& w, int views, int directions, int channels,
+                        const float* x, float* z) {
+  constexpr int kLane = sizeof(Lane) / sizeof(float);
+  constexpr int kWidth = kLane * kLanes;
+  for (int c = 0; c < channels; ++c) {
+    const float* x_channel = x + long{c} * directions * kWidth;
+    for (int v = 0; v < views; ++v) {
+      Lane sum[kLanes] = {};
+      for (int e = w.offsets[v]; e < w.offsets[v + 1]; ++e) {
+        const float* row = x_channel + long{w.direction[e]} * kWidth;
+        for (int l = 0; l < kLanes; ++l) sum[l] += w.weight[e] * At<Lane>(row + l * kLane);
+      }
+      float* out = z + (long{c} * views + v) * kWidth;
+      for (int l = 0; l < kLanes; ++l) At<Lane>(out + l * kLane) = sum[l];
+    }
+  }
+}
+
+template <typename Lane, int kLanes>
+LFM_INLINE void ToDirections(const uint16_t* view, const float* weight, int views, int directions,
+                             int channels, const float* t, float* x) {
+  constexpr int kLane = sizeof(Lane) / sizeof(float);
+  constexpr int kWidth = kLane * kLanes;
+  for (int c = 0; c < channels; ++c) {
+    const float* t_channel = t + long{c} * views * kWidth;
+    for (int q = 0; q < directions; ++q) {
+      float* out = x + (long{c} * directions + q) * kWidth;
+      for (int l = 0; l < kLanes; ++l) {
+        Lane sum = At<Lane>(out + l * kLane);
+        for (int k = 0; k < 3; ++k) {
+          sum +=
+              weight[3 * q + k] * At<Lane>(t_channel + long{view[3 * q + k]} * kWidth + l * kLane);
+        }
+        At<Lane>(out + l * kLane) = sum;
+      }
+    }
+  }
+}
+
+// Four rows of the Gram matrix at a time, so that the sums fit the registers.
+template <int kWidth>
+LFM_INLINE void GramOf(const float* x, int rows, double* g) {
+  constexpr int kLanes = kWidth / 8;
+  for (int first = 0; first < kWidth; first += 4) {
+    Double8 sum[4][kLanes] = {};
+    for (int r = 0; r < rows; ++r) {
+      const float* row = x + long{r} * kWidth;
+      Double8 values[kLanes];
+      for (int l = 0; l < kLanes; ++l) {
+        values[l] = __builtin_convertvector(At<Float8>(row + 8 * l), Double8);
+      }
+      for (int i = 0; i < 4; ++i) {
+        const double factor = row[first + i];
+        for (int l = 0; l < kLanes; ++l) sum[i][l] += factor * values[l];
+      }
+    }
+    for (int i = 0; i < 4; ++i) {
+      for (int l = 0; l < kLanes; ++l) {
+        for (int j = 0; j < 8; ++j) g[(first + i) * kWidth + 8 * l + j] = sum[i][l][j];
+      }
+    }
+  }
+}
+
+template <int kCount>
+LFM_INLINE void ProductOfWidth(const float* p, int rows, long row_step, long step, int length,
+                               const float* z, int width, float* y) {
+  if (width == 8) Product<Float8, 1, kCount>(p, rows, row_step, step, length, z, y);
+  if (width == 16) Product<Float16, 1, kCount>(p, rows, row_step, step, length, z, y);
+  if (width == 24) Product<Float8, 3, 4>(p, rows, row_step, step, length, z, y);
+}
+
+LFM_INLINE void ToViewsOfWidth(const WeightsByView& w, int views, int directions, int channels,
+                               const float* x, int width, float* z) {
+  if (width == 8) ToViews<Float8, 1>(w, views, directions, channels, x, z);
+  if (width == 16) ToViews<Float16, 1>(w, views, directions, channels, x, z);
+  if (width == 24) ToViews<Float8, 3>(w, views, directions, channels, x, z);
+}
+
+LFM_INLINE void ToDirectionsOfWidth(const uint16_t* view, const float* weight, int views,
+                                    int directions, int channels, const float* t, int width,
+                                    float* x) {
+  if (width == 8) ToDirections<Float8, 1>(view, weight, views, directions, channels, t, x);
+  if (width == 16) ToDirections<Float16, 1>(view, weight, views, directions, channels, t, x);
+  if (width == 24) ToDirections<Float8, 3>(view, weight, views, directions, channels, t, x);
+}
+
+LFM_INLINE void GramOfWidth(const float* x, int rows, int width, double* g) {
+  if (width == 8) GramOf<8>(x, rows, g);
+  if (width == 16) GramOf<16>(x, rows, g);
+  if (width == 24) GramOf<24>(x, rows, g);
+}
+
+struct Kernels {
+  void (*product)(const float*, int, long, long, int, const float*, int, float*);
+  void (*to_views)(const WeightsByView&, int, int, int, const float*, int, float*);
+  void (*to_directions)(const uint16_t*, const float*, int, int, int, const float*, int, float*);
+  void (*gram)(const float*, int, int, double*);
+};
+
+#define LFM_COMPILE_KERNELS(NAME, TARGET, COUNT)                                             \
+  TARGET void Product##NAME(const float* p, int rows, long row_step, long step, int length,  \
+                            const float* z, int width, float* y) {                           \
+    ProductOfWidth<COUNT>(p, rows, row_step, step, length, z, width, y);                     \
+  }                                                                                          \
+  TARGET void ToViews##NAME(const WeightsByView& w, int views, int directions, int channels, \
+                            const float* x, int width, float* z) {                           \
+    ToViewsOfWidth(w, views, directions, channels, x, width, z);                             \
+  }                                                                                          \
+  TARGET void ToDirections##NAME(const uint16_t* view, const float* weight, int views,       \
+                                 int directions, int channels, const float* t, int width,    \
+                                 float* x) {                                                 \
+    ToDirectionsOfWidth(view, weight, views, directions, channels, t, width, x);             \
+  }                                                                                          \
+  TARGET void Gram##NAME(const float* x, int rows, int width, double* g) {                   \
+    GramOfWidth(x, rows, width, g);                                                          \
+  }                                                                                          \
+  constexpr Kernels k##NAME = {Product##NAME, ToViews##NAME, ToDirections##NAME, Gram##NAME};
+
+LFM_COMPILE_KERNELS(Baseline, , 4)
+#if defined(__x86_64__)
+LFM_COMPILE_KERNELS(Avx2, __attribute__((target("arch=x86-64-v3"))), 4)
+LFM_COMPILE_KERNELS(Avx512, __attribute__((target("arch=x86-64-v4"))), 8)
+#endif
+
+const Kernels& Best() {
+#if defined(__x86_64__)
+  static const Kernels& best = __builtin_cpu_supports("x86-64-v4")   ? kAvx512
+                               : __builtin_cpu_supports("x86-64-v3") ? kAvx2
+                                                                     : kBaseline;
+  return best;
+#else
+  return kBaseline;
+#endif
+}
+
+}  // namespace
+
+void Multiply(const float* p, int rows, int cols, const float* z, int width, float* y) {
+  Best().product(p, rows, cols, 1, cols, z, width, y);
+}
+
+void MultiplyTransposed(const float* p, int rows, int cols, const float* y, int width, float* t) {
+  Best().product(p, cols, 1, cols, rows, y, width, t);
+}
+
+void DirectionsToViews(const WeightsByView& weights, int views, int directions, int channels,
+                       const float* x, int width, float* z) {
+  Best().to_views(weights, views, directions, channels, x, width, z);
+}
+
+void AddViewsToDirections(const uint16_t* view, const float* weight, int views, int directions,
+                          int channels, const float* t, int width, float* x) {
+  Best().to_directions(view, weight, views, directions, channels, t, width, x);
+}
+
+void Gram(const float* x, int rows, int width, double* g) { Best().gram(x, rows, width, g); }
+
+}  // namespace lfm::kernels

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/vertex_factorization.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "encode/pca.h"
+#include "encode/product_kernels.h"
+#include "encode/quantization.h"
+
+namespace lfm {
+namespace {
+
+constexpr double kInvisible = 0.5 / 255;
+constexpr int kProductWidth = 8;  // the narrowest that the kernels multiply
+
+struct Extent {
+  float low = 0, high = 0;
+  float max_abs() const { return std::max(-low, high); }
+  void Include(float value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+// A term's maps as the decoder will see them, and F^T u, from which errors follow without F.
+struct DecodedTerm {
+  std::vector<float> surface;   // M
+  std::vector<float> view;      // 3N, channels outer
+  std::vector<double> product;  // F^T surface, 3N
+};
+
+double Dot(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * b[i];
+  return sum;
+}
+
+// The leading direction of R, whose columns are F_p^T U: R mix is F_p^T (U mix).
+Eigen::VectorXf LeadingMix(const std::vector<float>& remainder, int rows, int width) {
+  Eigen::MatrixXd gram(width, width);
+  kernels::Gram(remainder.data(), rows, width, gram.data());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+  return solver.eigenvectors().col(width - 1).cast<float>();
+}
+
+std::vector<float> TimesVector(const std::vector<float>& x, int rows, int width,
+                               const Eigen::VectorXf& v) {
+  std::vector<float> y(rows);
+  for (int r = 0; r < rows; ++r) {
+    y[r] = Eigen::Map<const Eigen::VectorXf>(x.data() + size_t{1} * r * width, width).dot(v);
+  }
+  return y;
+}
+
+void MakeRingContinuous(const VertexOperator& f, const SharedSamples& shared,
+                        std::vector<float>& u) {
+  std::vector<PatchValues> patches;
+  for (const RingBlock& block : f.blocks) {
+    patches.push_back({u.data() + block.first_row, block.views > 0});
+  }
+  MakeContinuous(shared, 1, patches);
+}
+
+// Values of the map, and of the completions beyond the hypotenuse that the gutters will hold.
+Extent SurfaceExtent(const VertexOperator& f, const std::vector<float>& u) {
+  Extent extent;
+  for (const float value : u) extent.Include(value);
+  for (const RingBlock& block : f.blocks) {
+    const int n = block.edge_samples;
+    const float* values = u.data() + block.first_row;
+    for (int i = 0; i <= n - 2; ++i) {
+      const int j = n - 2 - i;
+      extent.Include(values[PatchSampleIndex(n, i + 1, j)] + values[PatchSampleIndex(n, i, j + 1)] -
+                     values[PatchSampleIndex(n, i, j)]);
+    }
+  }
+  return extent;
+}
+
+// Quantises the surface map u * factor, edges equal on both sides.
+void QuantizeSurface(const VertexOperator& f, const SharedSamples& shared,
+                     const std::vector<float>& u, const Extent& extent, double factor,
+                     TermMaps& maps, DecodedTerm& decoded) {
+  const auto scale = static_cast<float>(factor);
+  maps.surface_range = SurfaceRange(extent.low * scale, extent.high * scale);
+  maps.surface_codes.resize(u.size());
+  for (size_t row = 0; row < u.size(); ++row) {
+    maps.surface_codes[row] = QuantizeValue(maps.surface_range, u[row] * scale);
+  }
+  std::vector<uint8_t*> patches;
+  for (const RingBlock& block : f.blocks) {
+    patches.push_back(maps.surface_codes.data() + block.first_row);
+  }
+  MakeCodesContinuous(shared, 1, patches);
+  decoded.surface.resize(u.size());
+  for (size_t row = 0; row < u.size(); ++row) {
+    decoded.surface[row] = DecodeValue(maps.surface_range, maps.surface_codes[row]);
+  }
+}
+
+void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, TermMaps& maps,
+             DecodedTerm& decoded) {
+  std::vector<float> columns(static_cast<size_t>(f.rows) * kProductWidth, 0.f);
+  for (int row = 0; row < f.rows; ++row) columns[row * kProductWidth] = decoded.surface[row];
+  std::vector<float> products(static_cast<size_t>(f.cols()) * kProductWidth);
+  MultiplyTransposed(f, columns.data(), kProductWidth, products.data());
+  decoded.product.resize(f.cols());
+  for (int col = 0; col < f.cols(); ++col) decoded.product[col] = products[col * kProductWidth];
+
+  std::vector<double> fit = decoded.product;
+  for (const DecodedTerm& term : earlier) {
+    const double overlap = Dot(term.surface, decoded.surface);
+    for (int col = 0; col < f.cols(); ++col) fit[col] -= overlap * term.view[col];
+  }
+  const double norm = Dot(decoded.surface, decoded.surface);
+  std::vector<float> view(f.cols());
+  for (int col = 0; col < f.cols(); ++col) view[col] = static_cast<float>(fit[col] / norm);
+
+  const auto [low, high] = std::minmax_element(view.begin(), view.end());
+  maps.view_range = ViewRange(*low, *high);
+  maps.view_codes.resize(f.cols());
+  decoded.view.resize(f.cols());
+  for (int channel = 0; channel < 3; ++channel) {
+    for (int q = 0; q < f.directions; ++q) {
+      const int col = channel * f.directions + q;
+      const uint8_t code = QuantizeValue(maps.view_range, view[col]);
+      maps.view_codes[3 * q + channel] = code;
+      decoded.view[col] = DecodeValue(maps.view_range, code);
+    }
+  }
+}
+
+// R becomes F_{p+1}^T U: minus D v (u^T U).
+void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, const PcaResult& pca,
+             std::vector<float>& remainder) {
+  Eigen::VectorXf overlap = Eigen::VectorXf::Zero(pca.width);
+  for (size_t row = 0; row < term.surface.size(); ++row) {
+    overlap += term.surface[row] *
+               Eigen::Map<const Eigen::VectorXf>(pca.left.data() + row * pca.width, pca.width);
+  }
+  for (size_t col = 0; col < term.view.size(); ++col) {
+    Eigen::Map<Eigen::VectorXf>(remainder.data() + col * pca.width, pca.width) -=
+        (term.view[col] * column_scale[col % column_scale.size()]) * overlap;
+  }
+}
+
+double SquaredError(double energy, const std::vector<DecodedTerm>& terms) {
+  double error = energy;
+  for (const DecodedTerm& a : terms) {
+    double agreement = 0;
+    for (size_t col = 0; col < a.view.size(); ++col) agreement += a.product[col] * a.view[col];
+    error -= 2 * agreement;
+    for (const DecodedTerm& b : terms) {
+      error += Dot(a.surface, b.surface) * Dot(a.view, b.view);
+    }
+  }
+  return std::max(error, 0.0);
+}
+
+// The next term's surface map u, not yet scaled, and the extents of u and v; none when no 8-bit
+// level would change.
+struct Candidate {
+  std::vector<float> surface;
+  Extent extent;
+  AlphaSplit split;
+};
+std::optional<Candidate> NextTerm(const VertexOperator& f, const SharedSamples& shared,
+                                  const PcaResult& pca, const std::vector<float>& remainder,
+                                  const std::vector<float>& column_scale) {
+  Eigen::VectorXf mix = LeadingMix(remainder, f.cols(), pca.width);
+  Candidate next;
+  next.surface = TimesVector(pca.left, f.rows, pca.width, mix);
+  // Singular vectors have no sign of their own: mostly positive surface maps are easier to look at.
+  double sum = 0;
+  for (const float value : next.surface) sum += value;
+  if (sum < 0) {
+    mix = -mix;
+    for (float& value : next.surface) value = -value;
+  }
+  MakeRingContinuous(f, shared, next.surface);
+  const std::vector<float> view = TimesVector(remainder, f.cols(), pca.width, mix);
+  Extent view_extent;
+  for (size_t col = 0; col < view.size(); ++col) {
+    view_extent.Include(view[col] / column_scale[col % column_scale.size()]);
+  }
+  next.extent = SurfaceExtent(f, next.surface);
+  const double max_u = next.extent.max_abs(), max_v = view_extent.max_abs();
+  if (!(max_u * max_v > kInvisible)) return std::nullopt;
+  next.split = SplitAlpha(max_u, max_v);
+  return next;
+}
+
+}  // namespace
+
+std::vector<float> ColumnScale(const VertexOperator& f, double guessed_weight) {
+  std::vector<double> seen(f.directions, 0.0);
+  double samples = 0;
+  for (const RingBlock& block : f.blocks) {
+    if (block.views == 0) continue;
+    samples += block.samples;
+    for (int q = 0; q < f.directions; ++q) seen[q] += block.seen[q] ? block.samples : 0;
+  }
+  std::vector<float> scale(f.directions, 1.f);
+  if (samples == 0) return scale;
+  for (int q = 0; q < f.directions; ++q) {
+    const double share = seen[q] / samples;
+    scale[q] = static_cast<float>(std::sqrt(guessed_weight + (1 - guessed_weight) * share));
+  }
+  return scale;
+}
+
+VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared,
+                            const FactorizationOptions& options) {
+  const std::vector<float> column_scale = ColumnScale(f, options.guessed_weight);
+  const Energies energies = ComputeEnergies(f, column_scale);
+  VertexTerms result;
+  result.entries = int64_t{f.rows} * f.cols();
+  result.energy = result.squared_error = energies.plain;
+  result.singular_value_share.assign(options.terms, 0.0);
+  const PcaResult pca = ComputePca(ScaledMap(f, column_scale), {.terms = options.terms});
+  for (int k = 0; k < pca.terms && energies.scaled > 0; ++k) {
+    result.singular_value_share[k] =
+        pca.singular_values[k] * pca.singular_values[k] / energies.scaled;
+  }
+  std::vector<float> remainder = pca.right;
+  std::vector<DecodedTerm> decoded;
+  for (int k = 0; k < pca.terms; ++k) {
+    const auto next = NextTerm(f, shared, pca, remainder, column_scale);
+    if (!next) break;
+    TermMaps maps;
+    DecodedTerm term;
+    QuantizeSurface(f, shared, next->surface, next->extent, next->split.surface, maps, term);
+    FitView(f, decoded, maps, term);
+    Deflate(term, column_scale, pca, remainder);
+    decoded.push_back(std::move(term));
+    result.terms.push_back(std::move(maps));
+  }
+  result.squared_error = SquaredError(energies.plain, decoded);
+  return result;
+}
+
+}  // namespace lfm

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "encode/factored_operator.h"
+#include "encode/model.h"
+#include "encode/shared_samples.h"
+
+namespace lfm {
+
+/// One quantised term of a vertex.
+struct TermMaps {
+  MapRange surface_range, view_range;
+  std::vector<uint8_t> surface_codes;  ///< M, in the order of the operator's rows
+  std::vector<uint8_t> view_codes;     ///< 3 q + channel, N directions
+};
+
+/// The quantised factors of one vertex and how well they do.
+struct VertexTerms {
+  std::vector<TermMaps> terms;  ///< as many as are visible, at most the wanted number
+  double energy = 0;            ///< ||F||^2, mean view removed, all directions alike
+  double squared_error = 0;     ///< ||F - U V^T||^2 of the quantised maps
+  int64_t entries = 0;          ///< M * 3N
+  /// Share of the (direction-weighted) energy that each wanted term captures before quantisation;
+  /// 0 where there is no energy.
+  std::vector<double> singular_value_share;
+};
+
+struct FactorizationOptions {
+  int terms = 3;                ///< K, 0 to 16
+  double guessed_weight = 0.2;  ///< of directions outside the hull of the photographs, in (0, 1]
+};
+
+/// Factorises one vertex light field and quantises it in closed loop (Chen 2002, Appendix): the
+/// surface map of term p + 1 is the leading left singular vector of what the *quantised* first p
+/// terms left over, inside the captured subspace of ComputePca; made continuous over the ring's
+/// edges, split by SplitAlpha and quantised; then its view map is the exact least squares fit of
+/// that remainder to the quantised surface map, and is quantised too. `shared` lists the shared
+/// samples of the ring (patches in the order of the blocks).
+///
+/// A column (direction) counts with guessed_weight + (1 - guessed_weight) * (share of the ring's
+/// samples whose triangle has it inside the hull of its photographs). Terms end when the largest
+/// value that the next could add is below half an 8-bit level. No energy: no terms.
+VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared,
+                            const FactorizationOptions& options);
+
+/// Square roots of the column weights, N entries.
+std::vector<float> ColumnScale(const VertexOperator& f, double guessed_weight);
+
+}  // namespace lfm
