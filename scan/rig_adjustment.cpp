@@ -187,7 +187,7 @@ RigState AdjustRig(const RigState& start, const std::vector<PriorPlane>& planes,
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = 100;
-  solver.function_tolerance = 1e-14;
+  solver.function_tolerance = 1e-12;
   solver.parameter_tolerance = 1e-12;
   solver.gradient_tolerance = 1e-14;
   solver.num_threads = 1;

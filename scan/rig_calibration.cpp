@@ -16,7 +16,10 @@ constexpr double kPlateMarginMm = 1;
 constexpr double kFlatWhite = 0.08;  // largest relative spread of white about a correspondence
 constexpr int kFlatRadiusPx = 2;
 constexpr int kMinCorrespondences = 50;
-constexpr double kLensGain = 0.98;  // a lens term must lower the held-out error at least to this
+// A lens term must lower the held-out squared error at least to this share, and by this much.
+constexpr double kLensGain = 0.98;
+constexpr double kLensGainPx2 = 1e-6;
+constexpr size_t kHeldOutPoints = 250;  // a placement
 constexpr const char* kTiltAdvice =
     ": scan the empty platform at least twice (better five times), tilted 15-40 degrees in "
     "different directions and raised, under column and row patterns";
@@ -95,7 +98,7 @@ int ChooseLensTerms(const RigState& start, const std::vector<PriorPlane>& planes
   // Two placements leave one to fit, which calibrates nothing: no evidence for a lens.
   if (planes.size() < 3) return 0;
   const std::vector<PlateCorrespondence> some =
-      EveryNth(all, std::max<size_t>(1, all.size() / (400 * planes.size())));
+      EveryNth(all, std::max<size_t>(1, all.size() / (kHeldOutPoints * planes.size())));
   double best_error = 0;
   int best_terms = 0;
   for (int terms : kLensModels) {
@@ -106,7 +109,8 @@ int ChooseLensTerms(const RigState& start, const std::vector<PriorPlane>& planes
       const RigState state = AdjustRig(start, planes, some, included, terms, options);
       error += HeldOutError(state, planes, some, static_cast<int>(left_out));
     }
-    if (terms == 0 || error < kLensGain * best_error) {
+    error /= static_cast<double>(planes.size());
+    if (terms == 0 || error < std::min(kLensGain * best_error, best_error - kLensGainPx2)) {
       best_error = error;
       best_terms = terms;
     }

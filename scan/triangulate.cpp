@@ -15,7 +15,7 @@ namespace {
 constexpr int kLensIterations = 50;
 constexpr int kRadius = 2;
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
-constexpr int kMinConnected = 5;
+constexpr int kMinConnected = 6;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
 constexpr double kGoodSigmaMm = 0.15;  // an expected error of this size halves the confidence

@@ -40,7 +40,7 @@ struct RangeMap {
 /// inverse depths of the connected pixels within two steps gives the normal and what the
 /// neighbours say about the pixel's own depth. Dropped are pixels
 /// - that differ from it by more than `max_ray_gap_mm` (depth edges, mixed pixels, wrong periods),
-/// - with fewer than five of eight connected neighbours (single pixels, threads, silhouettes),
+/// - with fewer than six of eight connected neighbours (single pixels, threads, silhouettes),
 /// - seen or lit at more than `max_grazing_deg` from the normal,
 /// - below `min_confidence`: the product of decoding, expected error along the ray, roughness, and
 ///   obliqueness.

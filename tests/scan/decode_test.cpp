@@ -193,7 +193,7 @@ PlaneErrors DecodePlane(double noise) {
   const Pose pose = TiltedPlatform(20, 30, 15);
   RenderSettings settings;
   settings.noise = noise;
-  settings.samples = 5;
+  settings.samples = 4;
   const std::vector<Image> frames = RenderScan(rig, pose, HitPlate, sequence, settings);
   const DecodedPixels decoded = Decode(sequence, FromMemory(frames), {});
   const Pose world_from_camera = pose.Inverse();

@@ -21,10 +21,10 @@
 
 namespace lfm::testing {
 
-/// A rig with known numbers: 160 x 120 camera, 512 x 384 projector, 22 degrees apart.
+/// A rig with known numbers: 240 x 180 camera, 512 x 384 projector, 22 degrees apart.
 inline RigCalibration KnownRig(bool distorted) {
   RigCalibration rig;
-  rig.camera = {160, 120, 250, 251, 79.2, 60.1};
+  rig.camera = {240, 180, 520, 521, 119.2, 90.1};
   rig.projector = {512, 384, 760, 758, 260.3, 188.6};
   if (distorted) {
     rig.camera.k1 = -0.08;

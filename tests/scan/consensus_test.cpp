@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/consensus.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/scan/synthetic_rig.h"
+
+namespace lfm {
+namespace {
+
+using testing::HitPlate;
+using testing::KnownRig;
+using testing::TurnedPlatform;
+
+/// The plate as a scan measures it without error.
+PosedRange PlateScan(const Camera& camera, const std::vector<Eigen::Vector2d>& rays,
+                     double degrees) {
+  PosedRange scan;
+  scan.camera_from_world = TurnedPlatform(degrees);
+  scan.map.width = camera.width;
+  scan.map.height = camera.height;
+  const Pose world_from_camera = scan.camera_from_world.Inverse();
+  for (const Eigen::Vector2d& ray : rays) {
+    const Eigen::Vector3d direction = world_from_camera.rotation * ray.homogeneous();
+    const auto hit = HitPlate(scan.camera_from_world.Center(), direction);
+    scan.map.depth.push_back(hit ? hit->distance : 0);
+    scan.map.normal.push_back(
+        (scan.camera_from_world.rotation * Eigen::Vector3d::UnitZ()).cast<float>());
+    scan.map.sigma_mm.push_back(0.02F);
+    scan.map.confidence.push_back(hit ? 0.9F : 0.0F);
+  }
+  return scan;
+}
+
+/// Lifts a square of pixels towards the camera.
+void Lift(PosedRange& scan, int x0, int y0, int side, double mm) {
+  for (int y = y0; y < y0 + side; ++y) {
+    for (int x = x0; x < x0 + side; ++x) {
+      scan.map.depth[static_cast<size_t>(y) * scan.map.width + x] -= mm;
+    }
+  }
+}
+
+int CountCleared(const PosedRange& scan, int x0, int y0, int side) {
+  int cleared = 0;
+  for (int y = y0; y < y0 + side; ++y) {
+    for (int x = x0; x < x0 + side; ++x) {
+      cleared += scan.map.depth[static_cast<size_t>(y) * scan.map.width + x] == 0 ? 1 : 0;
+    }
+  }
+  return cleared;
+}
+
+TEST(Consensus, OthersSeeThroughAFloatingPatchAndOutvoteAWrongSurface) {
+  const Camera camera = KnownRig(true).camera;
+  const std::vector<Eigen::Vector2d> rays = PixelRays(camera);
+  std::vector<PosedRange> scans;
+  for (double degrees : {0.0, 45.0, 90.0}) scans.push_back(PlateScan(camera, rays, degrees));
+  Lift(scans[0], 100, 80, 12, 20);  // floats 20 mm in front
+  Lift(scans[1], 120, 90, 8, 1.2);  // a dent of a millimetre that nobody else sees
+  const auto kept = KeepConsensus(scans, camera, rays, {});
+  EXPECT_GE(CountCleared(kept[0], 100, 80, 12), 130);
+  EXPECT_GE(CountCleared(kept[1], 120, 90, 8), 60);
+  EXPECT_EQ(CountCleared(kept[2], 100, 80, 12), 0);
+  EXPECT_EQ(CountCleared(kept[0], 140, 80, 12), 0);
+}
+
+TEST(Consensus, WhatOnlyOneScanSawStaysAndSpecksGo) {
+  const Camera camera = KnownRig(false).camera;
+  const std::vector<Eigen::Vector2d> rays = PixelRays(camera);
+  PosedRange lone = PlateScan(camera, rays, 0);
+  for (size_t p = 0; p < rays.size(); ++p) {
+    const int x = static_cast<int>(p) % camera.width, y = static_cast<int>(p) / camera.width;
+    const bool patch = x >= 50 && x < 60 && y >= 50 && y < 60;
+    const bool speck = x >= 100 && x < 104 && y >= 50 && y < 54;
+    if (!patch && !speck) lone.map.depth[p] = 0;
+  }
+  const auto kept = KeepConsensus({lone}, camera, rays, {});
+  EXPECT_EQ(CountCleared(kept[0], 50, 50, 10), 0);
+  EXPECT_EQ(CountCleared(kept[0], 100, 50, 4), 16);
+  EXPECT_TRUE(KeepConsensus({}, camera, rays, {}).empty());
+}
+
+}  // namespace
+}  // namespace lfm

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "scan/scan_pictures.h"
+#include "tests/scan/synthetic_rig.h"
+
+namespace lfm {
+namespace {
+
+using testing::HitPlate;
+using testing::HitSphere;
+using testing::KnownRig;
+using testing::RenderScan;
+using testing::RenderSettings;
+using testing::Surface;
+using testing::SurfaceHit;
+using testing::TiltedPlacements;
+using testing::TurnedPlatform;
+
+constexpr double kBallRadius = 42;
+const Eigen::Vector3d kBallCenter(5, -3, 38);
+
+std::optional<SurfaceHit> BallOnPlate(const Eigen::Vector3d& origin,
+                                      const Eigen::Vector3d& direction) {
+  const auto ball = HitSphere(origin, direction, kBallCenter, kBallRadius);
+  const auto plate = HitPlate(origin, direction);
+  if (ball && (!plate || ball->distance < plate->distance)) return ball;
+  return plate;
+}
+
+/// A ball on a plate, scanned from four sides, and the empty plate in five placements.
+struct Studio {
+  RigCalibration rig = KnownRig(true);
+  Capture capture;
+  CalibResult calib;
+  Board board;
+  std::map<std::string, Image> files;
+
+  Studio() {
+    board.width_mm = board.height_mm = 220;
+    capture.name = "ball";
+    capture.cameras["scanner"] = {rig.camera.width, rig.camera.height, std::nullopt};
+    calib.cameras["scanner"] = rig.camera;
+    Scanner scanner;
+    scanner.camera = "scanner";
+    scanner.projector_width = rig.projector.width;
+    scanner.projector_height = rig.projector.height;
+    const auto columns =
+        MakePatternSequence(rig.projector.width, rig.projector.height, PatternRows::kWithout);
+    const auto both =
+        MakePatternSequence(rig.projector.width, rig.projector.height, PatternRows::kWith);
+    for (const Pattern& p : columns.patterns) scanner.scan_roles.push_back(PatternName(p));
+    for (const Pattern& p : both.patterns) scanner.placement_roles.push_back(PatternName(p));
+    for (int i = 0; i < 4; ++i) {
+      scanner.scans.push_back(Add("scan-" + std::to_string(i), TurnedPlatform(90 * i), BallOnPlate,
+                                  columns, calib.scans));
+    }
+    int placement = 0;
+    for (const Pose& pose : TiltedPlacements()) {
+      scanner.placements.push_back(
+          Add("placement-" + std::to_string(placement++), pose, HitPlate, both, calib.placements));
+    }
+    capture.scanner = scanner;
+  }
+
+  ScanSet Add(const std::string& id, const Pose& pose, const Surface& surface,
+              const PatternSequence& sequence, std::vector<PosedImage>& poses) {
+    RenderSettings settings;
+    settings.seed = static_cast<uint32_t>(files.size()) + 1;
+    ScanSet set;
+    set.id = id;
+    const std::vector<Image> frames = RenderScan(rig, pose, surface, sequence, settings);
+    for (size_t i = 0; i < frames.size(); ++i) {
+      set.frames.push_back(id + "/" + std::to_string(i) + ".png");
+      files[set.frames.back()] = frames[i];
+    }
+    PosedImage posed;
+    posed.id = id;
+    posed.camera = "scanner";
+    posed.camera_from_world = pose;
+    posed.corners = 40;
+    posed.reprojection_rms_px = 0.1;
+    poses.push_back(posed);
+    return set;
+  }
+
+  ImageLoader Loader() const {
+    return [this](const std::string& file) {
+      const auto found = files.find(file);
+      if (found == files.end()) throw Error(file + ": no such file");
+      return found->second;
+    };
+  }
+};
+
+const Studio& TheStudio() {
+  static const Studio studio;
+  return studio;
+}
+
+ScanResult Run(const Studio& studio) {
+  return Scan(studio.capture, studio.board, studio.calib, studio.Loader(), {}, SilentProgress());
+}
+
+std::string ErrorOf(const Studio& studio) {
+  try {
+    Run(studio);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+double MedianDistanceToBall(const PointCloud& cloud) {
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& p : cloud.points) {
+    distances.push_back(std::abs((p - kBallCenter).norm() - kBallRadius));
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+TEST(Scan, BallIsMeasuredFromAllSides) {
+  const ScanResult result = Run(TheStudio());
+  EXPECT_EQ(result.scans.size(), 4U);
+  EXPECT_TRUE(result.rejected.empty());
+  ASSERT_GT(result.points.points.size(), 8000U);
+  ASSERT_EQ(result.points.normals.size(), result.points.points.size());
+  ASSERT_EQ(result.points.confidence.size(), result.points.points.size());
+  EXPECT_LT(MedianDistanceToBall(result.points), 0.06);
+  size_t far = 0, seen_from_behind = 0;
+  double low = 1e9, high = -1e9;
+  for (size_t i = 0; i < result.points.points.size(); ++i) {
+    const Eigen::Vector3d& p = result.points.points[i];
+    far += std::abs((p - kBallCenter).norm() - kBallRadius) > 1 ? 1 : 0;
+    seen_from_behind += result.points.normals[i].dot(p - kBallCenter) < 0 ? 1 : 0;
+    low = std::min(low, p.x());
+    high = std::max(high, p.x());
+    EXPECT_GT(p.z(), 0);
+  }
+  EXPECT_LE(far, result.points.points.size() / 1000);
+  EXPECT_EQ(seen_from_behind, 0U);
+  EXPECT_LT(low, kBallCenter.x() - 0.9 * kBallRadius);
+  EXPECT_GT(high, kBallCenter.x() + 0.9 * kBallRadius);
+  EXPECT_LT(result.rig.projector_rms_px, 0.12);
+  EXPECT_NEAR(result.rig.camera_rms_px, 0.1, 1e-12);
+  EXPECT_NEAR(result.rig.projector.fx, TheStudio().rig.projector.fx, 3);
+}
+
+TEST(Scan, TheNumberOfThreadsDoesNotMatter) {
+  SetThreadCount(1);
+  const ScanResult one = Run(TheStudio());
+  SetThreadCount(4);
+  const ScanResult four = Run(TheStudio());
+  SetThreadCount(0);
+  ASSERT_EQ(one.points.points.size(), four.points.points.size());
+  for (size_t i = 0; i < one.points.points.size(); ++i) {
+    ASSERT_EQ(one.points.points[i], four.points.points[i]);
+    ASSERT_EQ(one.points.confidence[i], four.points.confidence[i]);
+  }
+  EXPECT_EQ(one.rig.condition, four.rig.condition);
+}
+
+TEST(Scan, AScanThatCannotBeReadIsSetAsideWithTheReason) {
+  Studio studio = TheStudio();
+  studio.files.erase(studio.capture.scanner->scans[1].frames[7]);
+  studio.files[studio.capture.scanner->scans[2].frames[3]] =
+      Image(10, 10, 1, PixelType::kUint8, ColorEncoding::kSrgb);
+  studio.files.erase(studio.capture.scanner->placements[4].frames[0]);
+  studio.calib.scans.pop_back();
+  studio.calib.rejected.push_back({"scan-3", "", "no tag found"});
+  const ScanResult result = Run(studio);
+  ASSERT_EQ(result.scans.size(), 1U);
+  EXPECT_EQ(result.scans[0].id, "scan-0");
+  ASSERT_EQ(result.rejected.size(), 4U);
+  EXPECT_EQ(result.rejected[0].id, "placement-4");
+  EXPECT_EQ(result.rejected[1].id, "scan-1");
+  EXPECT_NE(result.rejected[1].reason.find("scan-1/7.png"), std::string::npos);
+  EXPECT_NE(result.rejected[2].reason.find("10 x 10"), std::string::npos);
+  EXPECT_NE(result.rejected[3].reason.find("no tag found"), std::string::npos);
+  EXPECT_LT(MedianDistanceToBall(result.points), 0.08);
+}
+
+TEST(Scan, WhatCannotWorkIsAnErrorThatSaysWhy) {
+  Studio no_scanner = TheStudio();
+  no_scanner.capture.scanner.reset();
+  EXPECT_NE(ErrorOf(no_scanner).find("no scanner"), std::string::npos);
+
+  Studio no_placements = TheStudio();
+  no_placements.capture.scanner->placements.clear();
+  EXPECT_NE(ErrorOf(no_placements).find("tilted"), std::string::npos);
+
+  Studio no_scans = TheStudio();
+  no_scans.capture.scanner->scans.clear();
+  EXPECT_NE(ErrorOf(no_scans).find("no scans"), std::string::npos);
+
+  Studio unreadable = TheStudio();
+  for (const ScanSet& scan : unreadable.capture.scanner->scans) {
+    unreadable.files.erase(scan.frames[0]);
+  }
+  EXPECT_NE(ErrorOf(unreadable).find("none of the 4 scans"), std::string::npos);
+
+  Studio other_size = TheStudio();
+  other_size.calib.cameras["scanner"].width = 200;
+  EXPECT_FALSE(ErrorOf(other_size).empty());
+
+  Studio no_camera = TheStudio();
+  no_camera.calib.cameras.clear();
+  EXPECT_NE(ErrorOf(no_camera).find("lacks the scanner's camera"), std::string::npos);
+}
+
+TEST(Scan, PlacementsThatOnlyTurnTheEmptyPlatformAreRefused) {
+  Studio studio = TheStudio();
+  studio.capture.scanner->placements.clear();
+  studio.calib.placements.clear();
+  const auto both = MakePatternSequence(512, 384, PatternRows::kWith);
+  for (int i = 0; i < 3; ++i) {
+    studio.capture.scanner->placements.push_back(studio.Add("turned-" + std::to_string(i),
+                                                            TurnedPlatform(50 * i), HitPlate, both,
+                                                            studio.calib.placements));
+  }
+  EXPECT_NE(ErrorOf(studio).find("cannot be calibrated"), std::string::npos);
+}
+
+TEST(Scan, AnEmptyPlatformIsAnError) {
+  Studio studio = TheStudio();
+  studio.capture.scanner->scans.clear();
+  studio.calib.scans.clear();
+  const auto columns = MakePatternSequence(512, 384, PatternRows::kWithout);
+  studio.capture.scanner->scans.push_back(
+      studio.Add("empty", TurnedPlatform(0), HitPlate, columns, studio.calib.scans));
+  EXPECT_NE(ErrorOf(studio).find("no point above the platform"), std::string::npos);
+}
+
+TEST(ScanPictures, ShowTheDecodedScan) {
+  const Studio& studio = TheStudio();
+  const ScanPictures pictures = DrawScan(studio.capture, 0, studio.Loader(), {});
+  for (const Image* image : {&pictures.columns, &pictures.phase, &pictures.confidence}) {
+    EXPECT_EQ(image->width(), studio.rig.camera.width);
+    EXPECT_EQ(image->height(), studio.rig.camera.height);
+    EXPECT_EQ(image->channels(), 3);
+    const auto [low, high] =
+        std::minmax_element(image->Data<uint8_t>(), image->Data<uint8_t>() + image->size());
+    EXPECT_LT(*low, 40);
+    EXPECT_GT(*high, 200);
+  }
+  EXPECT_THROW(DrawScan(studio.capture, 4, studio.Loader(), {}), Error);
+  EXPECT_THROW(DrawScan(studio.capture, -1, studio.Loader(), {}), Error);
+}
+
+}  // namespace
+}  // namespace lfm
