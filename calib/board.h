@@ -61,31 +61,45 @@ void ValidateBoard(const Board& board, const std::string& where);
 /// Reflectance of the printed plate at a world point (z = 0): 0 ink, 1 paper; exact geometry,
 /// without blur. Points outside the plate give no answer (-1). Tags are upright as libapriltag
 /// draws them (OpenCV's drawings of tag36h11 are turned by 180 degrees).
+///
+/// Made for many millions of look-ups: a raster over the plate answers away from edges, exact
+/// geometry on them. Immutable; safe to use from many threads.
 class BoardPrint {
  public:
   /// Throws Error when the board is not valid.
   explicit BoardPrint(const Board& board);
-  /// A few nanoseconds a call: one lookup in a grid over the plate. Safe from many threads. A point
-  /// that is not finite lies outside the plate.
+  /// A point that is not finite lies outside the plate.
   double Value(const Eigen::Vector2d& point_mm) const;
+  /// A radius (mm, often 0, never too large) within which Value is the same all round; 0 outside.
+  double UniformRadius(const Eigen::Vector2d& point_mm) const;
 
  private:
   struct PlacedTag {
     Eigen::Vector2d center_mm, x_axis;  ///< x_axis: the tag's right on the plate, unit
     std::vector<uint8_t> cells;         ///< 1 = white; row 0 at the tag's top
   };
+  std::vector<PlacedTag> PlaceTags() const;
+  void FillGrid();
+  void FillRaster();
+  bool EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) const;
+  double ExactValue(const Eigen::Vector2d& point_mm) const;
   bool InkOfTag(const PlacedTag& tag, const Eigen::Vector2d& point_mm) const;
   bool InkOfChecker(const Eigen::Vector2d& point_mm) const;
+  size_t GridCell(const Eigen::Vector2d& point_mm) const;
 
   Board board_;
   std::vector<PlacedTag> tags_;
   int cells_per_black_square_ = 0;
-  double cells_per_mm_ = 0;
   /// Grid over the plate, row by row from the lowest y: the tags that reach into each grid cell are
   /// `grid_tags_[grid_offsets_[cell] .. grid_offsets_[cell + 1])`.
   int grid_columns_ = 0, grid_rows_ = 0;
   double grid_per_mm_ = 0;
   std::vector<int> grid_offsets_, grid_tags_;
+  /// Raster over the plate: 0 where an edge may pass; else the number of raster cells (Chebyshev)
+  /// to the nearest such cell or the plate's border, positive on paper, negative on ink.
+  int raster_columns_ = 0, raster_rows_ = 0;
+  double raster_per_mm_ = 0;
+  std::vector<int8_t> raster_;
 };
 
 /// A picture of the print, `pixels_per_mm` fine, 8-bit gray sRGB, y upwards; pixels on an edge get

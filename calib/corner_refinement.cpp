@@ -16,7 +16,8 @@ namespace {
 constexpr int kLightTerms = 6;
 constexpr int kUnknowns = kLightTerms + 2;
 constexpr int kMaxIterations = 8;
-constexpr double kConvergedPx = 1e-3;
+// The step is taken before stopping, so what remains is an order less.
+constexpr double kConvergedPx = 4e-3;
 constexpr double kMaxStepPx = 1.0;
 constexpr double kMaxSigmaPx = 0.25;
 constexpr double kSaturated = 0.995;
@@ -156,11 +157,11 @@ struct CornerFit {
 
 std::optional<CornerFit> FitCorner(const Image& gray, const BoardPrint& print,
                                    const PixelFootprint& footprint, const LocalView& view,
-                                   const CornerSearch& search) {
+                                   const Eigen::Vector2d& start_shift, const CornerSearch& search) {
   const int radius = search.window_radius_px;
   const std::vector<WindowPixel> pixels = CollectPixels(gray, view.pixel, radius);
   const double all_pixels = (2.0 * radius + 1) * (2.0 * radius + 1);
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  Eigen::Vector2d shift = start_shift;
   std::vector<double> window;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     RenderWindow(print, view, footprint, shift, radius, window);
@@ -212,7 +213,8 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
   for (size_t i = 0; i < corners.size(); ++i) {
     const std::optional<LocalView> view = MakeLocalView(camera, camera_from_world, corners[i]);
     if (!view) continue;
-    const std::optional<CornerFit> fit = FitCorner(linear_gray, print, footprint, *view, search);
+    const std::optional<CornerFit> fit =
+        FitCorner(linear_gray, print, footprint, *view, Eigen::Vector2d::Zero(), search);
     if (!fit || fit->sigma_px > kMaxSigmaPx ||
         fit->relative_residual > search.max_relative_residual) {
       continue;
@@ -232,6 +234,7 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
   constexpr double kCostOfNoFit = 1;
   double best_blur = 0, best_cost = std::numeric_limits<double>::infinity();
   const size_t count = std::min(kMaxCorners, observed.size());
+  int worse = 0;
   for (const double blur : kBlursPx) {
     const PixelFootprint footprint = MakePixelFootprint(blur);
     double cost = 0;
@@ -239,17 +242,54 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
       const CornerObservation& observation = observed[i * observed.size() / count];
       const std::optional<LocalView> view =
           MakeLocalView(camera, camera_from_world, corners[observation.corner]);
-      const std::optional<CornerFit> fit =
-          view ? FitCorner(linear_gray, print, footprint, *view, search) : std::nullopt;
+      const std::optional<CornerFit> fit = view ? FitCorner(linear_gray, print, footprint, *view,
+                                                            observation.pixel - view->pixel, search)
+                                                : std::nullopt;
       cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
                   : kCostOfNoFit;
     }
     if (cost < best_cost) {
       best_cost = cost;
       best_blur = blur;
+      worse = 0;
+    } else if (++worse == 2) {
+      break;
     }
   }
   return best_blur;
+}
+
+Image BlurGray(const Image& linear_gray, double sigma_px) {
+  CheckGray(linear_gray);
+  const int reach = static_cast<int>(std::ceil(3 * sigma_px));
+  std::vector<float> kernel;
+  float sum = 0;
+  for (int i = -reach; i <= reach; ++i) {
+    kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma_px * sigma_px))));
+    sum += kernel.back();
+  }
+  for (float& k : kernel) k /= sum;
+  const int width = linear_gray.width(), height = linear_gray.height();
+  Image rows = linear_gray, blurred = linear_gray;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float value = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        value += kernel[i + reach] * linear_gray.At<float>(std::clamp(x + i, 0, width - 1), y);
+      }
+      rows.At<float>(x, y) = value;
+    }
+  }
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float value = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        value += kernel[i + reach] * rows.At<float>(x, std::clamp(y + i, 0, height - 1));
+      }
+      blurred.At<float>(x, y) = value;
+    }
+  }
+  return blurred;
 }
 
 }  // namespace lfm

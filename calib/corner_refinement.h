@@ -58,4 +58,8 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
 /// The linear luminance that FindCorners works on.
 Image LinearGray(const Image& picture);
 
+/// The same picture blurred by a Gaussian of `sigma_px` > 0: searched with the template blurred
+/// alike (`CornerSearch::blur_px`), corners are found from farther away. Borders are repeated.
+Image BlurGray(const Image& linear_gray, double sigma_px);
+
 }  // namespace lfm

@@ -2,6 +2,7 @@
 #include "calib/corner_template.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -41,6 +42,7 @@ PixelFootprint MakePixelFootprint(double blur_px) {
     const double u = (i + 0.5) / kLatticePoints;
     const double v = std::fmod((i + 0.5) * kLatticeGenerator / kLatticePoints, 1.0);
     footprint.offsets.emplace_back(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
+    footprint.reach = std::max(footprint.reach, footprint.offsets.back().norm());
   }
   return footprint;
 }
@@ -80,6 +82,7 @@ double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFo
   const Eigen::Vector2d board = p.hnormalized();
   const Eigen::Matrix2d slope =
       (h.topLeftCorner<2, 2>() - board * h.bottomLeftCorner<1, 2>()) / p.z();
+  if (print.UniformRadius(board) > slope.norm() * footprint.reach) return print.Value(board);
   double sum = 0;
   for (const Eigen::Vector2d& o : footprint.offsets) {
     const double value = print.Value(board + slope * o);

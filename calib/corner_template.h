@@ -16,6 +16,7 @@ namespace lfm {
 /// square pixel blurred by a Gaussian. Point-symmetric, so that a straight edge is not displaced.
 struct PixelFootprint {
   std::vector<Eigen::Vector2d> offsets;
+  double reach = 0;  ///< length of the longest offset
 };
 
 /// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice of 34

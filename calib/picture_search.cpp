@@ -14,9 +14,10 @@ namespace {
 // A detector takes some tens of milliseconds to make: one serves a few pictures.
 constexpr int64_t kPicturesPerDetector = 8;
 
-// A wide template still pulls when the start is pixels away; sharp pictures then leave more.
+// Blurred edges still pull when the start is pixels away.
+constexpr double kRoughBlurPx = 1.5;
 constexpr CornerSearch kRoughSearch = {
-    .blur_px = 1.5, .max_shift_px = 4.0, .max_relative_residual = 0.25};
+    .blur_px = kRoughBlurPx, .max_shift_px = 4.0, .max_relative_residual = 0.15};
 constexpr CornerSearch kFineSearch = {.max_shift_px = 1.5};
 constexpr int kMinRoughCorners = 4;
 
@@ -104,8 +105,8 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
     CalibPicture picture = pictures[selected[static_cast<size_t>(i)]];
     const Image gray = LinearGray(load_image(picture.file));
     if (start == StartQuality::kRough) {
-      picture = SearchAndPose(std::move(picture), gray, print, corners, camera, kRoughSearch,
-                              options.robust_scale_px);
+      picture = SearchAndPose(std::move(picture), BlurGray(gray, kRoughBlurPx), print, corners,
+                              camera, kRoughSearch, options.robust_scale_px);
       picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
                                      picture.corners, kFineSearch);
     }

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "calib/board.h"
+#include "calib/tag_family.h"
+
+namespace lfm {
+namespace {
+
+// A grid over the plate finer than a tag keeps each exact look-up to one or two candidates.
+constexpr int kGridCellsPerTag = 3;
+constexpr int kMaxGridCells = 1024;
+// 0.2 mm on the usual platform, and small enough for a second-level cache.
+constexpr int kRasterCells = 1024;
+constexpr int kMaxRasterDistance = 127;
+
+double DistanceToWhole(double x) { return std::abs(x - std::round(x)); }
+
+}  // namespace
+
+BoardPrint::BoardPrint(const Board& board) : board_(board) {
+  ValidateBoard(board, board.name.empty() ? "board" : board.name);
+  tags_ = PlaceTags();
+  FillGrid();
+  FillRaster();
+}
+
+std::vector<BoardPrint::PlacedTag> BoardPrint::PlaceTags() const {
+  const TagFamily family(board_.family, board_.name);
+  std::vector<PlacedTag> tags;
+  for (const BoardTag& tag : board_.tags) {
+    PlacedTag placed;
+    placed.center_mm = tag.center_mm;
+    placed.x_axis = {std::cos(tag.rotation), std::sin(tag.rotation)};
+    placed.cells = family.Cells(tag.id);
+    tags.push_back(std::move(placed));
+  }
+  return tags;
+}
+
+void BoardPrint::FillGrid() {
+  cells_per_black_square_ = TagFamily(board_.family, board_.name).cells_per_black_square();
+  const double longest = std::max(board_.width_mm, board_.height_mm);
+  raster_per_mm_ = kRasterCells / longest;
+  grid_per_mm_ = std::min(kGridCellsPerTag / board_.tag_size_mm, kMaxGridCells / longest);
+  grid_columns_ = static_cast<int>(board_.width_mm * grid_per_mm_) + 1;
+  grid_rows_ = static_cast<int>(board_.height_mm * grid_per_mm_) + 1;
+  std::vector<std::vector<int>> tags_of_cell(static_cast<size_t>(grid_columns_) * grid_rows_);
+  for (size_t i = 0; i < tags_.size(); ++i) {
+    const Eigen::Vector2d& axis = tags_[i].x_axis;
+    // Raster cells that only touch a tag must find it too.
+    const double reach =
+        board_.tag_size_mm / 2 * (std::abs(axis.x()) + std::abs(axis.y())) + 1 / raster_per_mm_;
+    const size_t low = GridCell(tags_[i].center_mm - Eigen::Vector2d::Constant(reach));
+    const size_t high = GridCell(tags_[i].center_mm + Eigen::Vector2d::Constant(reach));
+    const size_t columns = static_cast<size_t>(grid_columns_);
+    for (size_t y = low / columns; y <= high / columns; ++y) {
+      for (size_t x = low % columns; x <= high % columns; ++x) {
+        tags_of_cell[y * columns + x].push_back(static_cast<int>(i));
+      }
+    }
+  }
+  grid_offsets_.push_back(0);
+  for (const std::vector<int>& tags : tags_of_cell) {
+    grid_tags_.insert(grid_tags_.end(), tags.begin(), tags.end());
+    grid_offsets_.push_back(static_cast<int>(grid_tags_.size()));
+  }
+}
+
+void BoardPrint::FillRaster() {
+  raster_columns_ = static_cast<int>(board_.width_mm * raster_per_mm_) + 1;
+  raster_rows_ = static_cast<int>(board_.height_mm * raster_per_mm_) + 1;
+  const int columns = raster_columns_, rows = raster_rows_;
+  const double half_diagonal = 0.7072 / raster_per_mm_;
+  std::vector<int> distance(static_cast<size_t>(columns) * rows);
+  raster_.resize(distance.size());
+  const auto center = [&](int x, int y) {
+    return Eigen::Vector2d((x + 0.5) / raster_per_mm_ - board_.width_mm / 2,
+                           (y + 0.5) / raster_per_mm_ - board_.height_mm / 2);
+  };
+  const auto at = [&](int x, int y) {
+    const bool inside = x >= 0 && y >= 0 && x < columns && y < rows;
+    return inside ? distance[static_cast<size_t>(y) * columns + x] : 0;
+  };
+  // Two sweeps give the Chebyshev distance to the nearest zero.
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      int& d = distance[static_cast<size_t>(y) * columns + x];
+      d = EdgeWithin(center(x, y), half_diagonal)
+              ? 0
+              : 1 + std::min({at(x - 1, y), at(x - 1, y - 1), at(x, y - 1), at(x + 1, y - 1)});
+    }
+  }
+  for (int y = rows - 1; y >= 0; --y) {
+    for (int x = columns - 1; x >= 0; --x) {
+      int& d = distance[static_cast<size_t>(y) * columns + x];
+      d = std::min(
+          {d, 1 + at(x + 1, y), 1 + at(x + 1, y + 1), 1 + at(x, y + 1), 1 + at(x - 1, y + 1)});
+      const int clipped = std::min(d, kMaxRasterDistance);
+      const bool ink = d > 0 && ExactValue(center(x, y)) == 0;
+      raster_[static_cast<size_t>(y) * columns + x] = static_cast<int8_t>(ink ? -clipped : clipped);
+    }
+  }
+}
+
+bool BoardPrint::EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) const {
+  const size_t cell = GridCell(point_mm);
+  const double half = board_.tag_size_mm / 2;
+  const double tag_cell = board_.tag_size_mm / cells_per_black_square_;
+  for (int i = grid_offsets_[cell]; i < grid_offsets_[cell + 1]; ++i) {
+    const PlacedTag& tag = tags_[grid_tags_[i]];
+    const Eigen::Vector2d d = point_mm - tag.center_mm;
+    const double right = d.dot(tag.x_axis);
+    const double up = d.y() * tag.x_axis.x() - d.x() * tag.x_axis.y();
+    if (std::max(std::abs(right), std::abs(up)) > half + radius_mm) continue;
+    if (DistanceToWhole((right + half) / tag_cell) * tag_cell <= radius_mm) return true;
+    if (DistanceToWhole((up + half) / tag_cell) * tag_cell <= radius_mm) return true;
+  }
+  if (board_.checker_columns == 0) return false;
+  const double square = board_.checker_square_mm;
+  const double x = point_mm.x() + board_.checker_columns * square / 2;
+  const double y = point_mm.y() + board_.checker_rows * square / 2;
+  if (x < -radius_mm || x > board_.checker_columns * square + radius_mm) return false;
+  if (y < -radius_mm || y > board_.checker_rows * square + radius_mm) return false;
+  return DistanceToWhole(x / square) * square <= radius_mm ||
+         DistanceToWhole(y / square) * square <= radius_mm;
+}
+
+bool BoardPrint::InkOfTag(const PlacedTag& tag, const Eigen::Vector2d& point_mm) const {
+  const Eigen::Vector2d d = point_mm - tag.center_mm;
+  const double half = board_.tag_size_mm / 2;
+  const double right = d.dot(tag.x_axis);
+  const double up = d.y() * tag.x_axis.x() - d.x() * tag.x_axis.y();
+  if (std::abs(right) > half || std::abs(up) > half) return false;
+  const int last = cells_per_black_square_ - 1;
+  const double cells_per_mm = cells_per_black_square_ / board_.tag_size_mm;
+  const int column = std::min(static_cast<int>((right + half) * cells_per_mm), last);
+  const int row = std::min(static_cast<int>((half - up) * cells_per_mm), last);
+  return tag.cells[static_cast<size_t>(row) * cells_per_black_square_ + column] == 0;
+}
+
+bool BoardPrint::InkOfChecker(const Eigen::Vector2d& point_mm) const {
+  if (board_.checker_columns == 0) return false;
+  const double x = point_mm.x() / board_.checker_square_mm + board_.checker_columns / 2.0;
+  const double y = point_mm.y() / board_.checker_square_mm + board_.checker_rows / 2.0;
+  if (x < 0 || y < 0 || x >= board_.checker_columns || y >= board_.checker_rows) return false;
+  return (static_cast<int>(x) + static_cast<int>(y)) % 2 == 0;
+}
+
+size_t BoardPrint::GridCell(const Eigen::Vector2d& point_mm) const {
+  const double x = (point_mm.x() + board_.width_mm / 2) * grid_per_mm_;
+  const double y = (point_mm.y() + board_.height_mm / 2) * grid_per_mm_;
+  const int column = std::clamp(static_cast<int>(x), 0, grid_columns_ - 1);
+  const int row = std::clamp(static_cast<int>(y), 0, grid_rows_ - 1);
+  return static_cast<size_t>(row) * grid_columns_ + column;
+}
+
+double BoardPrint::ExactValue(const Eigen::Vector2d& point_mm) const {
+  const size_t cell = GridCell(point_mm);
+  for (int i = grid_offsets_[cell]; i < grid_offsets_[cell + 1]; ++i) {
+    if (InkOfTag(tags_[grid_tags_[i]], point_mm)) return 0;
+  }
+  return InkOfChecker(point_mm) ? 0 : 1;
+}
+
+double BoardPrint::Value(const Eigen::Vector2d& point_mm) const {
+  const double x = point_mm.x() + board_.width_mm / 2, y = point_mm.y() + board_.height_mm / 2;
+  // Written so that NaN falls outside.
+  if (!(x >= 0 && y >= 0 && x <= board_.width_mm && y <= board_.height_mm)) return -1;
+  const int column = static_cast<int>(x * raster_per_mm_);
+  const int row = static_cast<int>(y * raster_per_mm_);
+  const int distance = raster_[static_cast<size_t>(row) * raster_columns_ + column];
+  if (distance != 0) return distance > 0 ? 1 : 0;
+  return ExactValue(point_mm);
+}
+
+double BoardPrint::UniformRadius(const Eigen::Vector2d& point_mm) const {
+  const double x = point_mm.x() + board_.width_mm / 2, y = point_mm.y() + board_.height_mm / 2;
+  if (!(x >= 0 && y >= 0 && x <= board_.width_mm && y <= board_.height_mm)) return 0;
+  const int column = static_cast<int>(x * raster_per_mm_);
+  const int row = static_cast<int>(y * raster_per_mm_);
+  const int distance = raster_[static_cast<size_t>(row) * raster_columns_ + column];
+  return std::max(0, std::abs(distance) - 1) / raster_per_mm_;
+}
+
+}  // namespace lfm

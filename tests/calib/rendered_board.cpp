@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rendered_board.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace lfm {
+namespace {
+
+constexpr double kInk = 0.05, kPaper = 0.8, kBackground = 0.25, kObject = 0.1;
+
+// Where the rays through the pixel corners meet the plate; interpolated inside a pixel.
+std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pose& pose) {
+  const Pose world_from_camera = pose.Inverse();
+  std::vector<Eigen::Vector2d> plate(static_cast<size_t>(camera.width + 1) * (camera.height + 1));
+  ParallelFor(0, camera.height + 1, [&](int64_t y) {
+    for (int x = 0; x <= camera.width; ++x) {
+      const Eigen::Vector3d ray =
+          world_from_camera.rotation * Unproject(camera, {x - 0.5, static_cast<double>(y) - 0.5});
+      const Eigen::Vector3d& eye = world_from_camera.translation;
+      // Rays that miss the plane look far beyond the plate.
+      const double t = ray.z() < -1e-6 ? -eye.z() / ray.z() : 1e9;
+      plate[static_cast<size_t>(y) * (camera.width + 1) + x] = (eye + t * ray).head<2>();
+    }
+  });
+  return plate;
+}
+
+}  // namespace
+
+Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
+                  const RenderSettings& settings) {
+  const std::vector<Eigen::Vector2d> plate = PlateAtPixelCorners(camera, camera_from_world);
+  Image picture(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  const int n = settings.subsamples;
+  ParallelFor(0, camera.height, [&](int64_t row) {
+    std::mt19937 random(settings.seed * 7919u + static_cast<uint32_t>(row));
+    std::normal_distribution<double> normal;
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < camera.width; ++x) {
+      const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
+      double sum = 0;
+      for (int s = 0; s < n * n; ++s) {
+        const double u = (s % n + 0.5) / n, v = (s / n + 0.5) / n;
+        const Eigen::Vector2d p =
+            (1 - v) * ((1 - u) * plate[i] + u * plate[i + 1]) +
+            v * ((1 - u) * plate[i + camera.width + 1] + u * plate[i + camera.width + 2]);
+        const double print_value = print.Value(p);
+        sum += print_value < 0 ? kBackground : kInk + (kPaper - kInk) * print_value;
+      }
+      double linear = sum / (n * n) *
+                      (1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5));
+      const double ex = (x - camera.width / 2.0) / (camera.width / 2.0);
+      const double ey = (y - camera.height / 2.0) / (camera.height / 2.0);
+      if (std::hypot(ex, ey) < settings.hidden_share) linear = kObject;
+      for (int c = 0; c < 3; ++c) {
+        double noisy = linear;
+        if (settings.full_well > 0) {
+          const double electrons = linear * settings.full_well;
+          noisy += normal(random) *
+                   std::sqrt(electrons + settings.read_noise * settings.read_noise) /
+                   settings.full_well;
+        }
+        const float coded = std::clamp(SrgbFromLinear(static_cast<float>(noisy)), 0.0f, 1.0f);
+        picture.At<uint8_t>(x, y, c) = static_cast<uint8_t>(std::lround(coded * 255));
+      }
+    }
+  });
+  return picture;
+}
+
+Camera SmallCamera() {
+  Camera camera;
+  camera.width = 480;
+  camera.height = 360;
+  camera.fx = 522, camera.fy = 519;
+  camera.cx = 243.3, camera.cy = 176.4;
+  camera.k1 = -0.09, camera.k2 = 0.04;
+  camera.p1 = 0.0006, camera.p2 = -0.0004;
+  return camera;
+}
+
+std::vector<Pose> PosesAround(int count) {
+  std::vector<Pose> poses;
+  for (int i = 0; i < count; ++i) {
+    const double azimuth = 2 * std::numbers::pi * i / count + 0.1;
+    const double elevation =
+        (30 + 45 * ((i * 7) % count) / static_cast<double>(count)) * std::numbers::pi / 180;
+    const double distance = 330 + 20 * (i % 3);
+    const Eigen::Vector3d eye(distance * std::cos(elevation) * std::cos(azimuth),
+                              distance * std::cos(elevation) * std::sin(azimuth),
+                              distance * std::sin(elevation));
+    const double roll = 0.4 * std::sin(1.7 * i);
+    const Eigen::Vector3d up(std::sin(roll) * std::sin(azimuth),
+                             -std::sin(roll) * std::cos(azimuth), std::cos(roll));
+    poses.push_back(LookAt(eye, {3.0 * (i % 4) - 5, 2.0 * (i % 5) - 4, 0}, up));
+  }
+  return poses;
+}
+
+ImageLoader RenderedCapture::Loader() const {
+  return [this](const std::string& file) -> Image {
+    for (size_t i = 0; i < pictures.size(); ++i) {
+      if (file == capture.photos[i].file) return pictures[i];
+    }
+    throw Error(file + ": no such file");
+  };
+}
+
+RenderedCapture RenderCapture(const Board& board, int train, int test) {
+  RenderedCapture rendered;
+  rendered.camera = SmallCamera();
+  rendered.capture.name = "rendered";
+  rendered.capture.board = "board.json";
+  rendered.capture.cameras["photo"] = {rendered.camera.width, rendered.camera.height, {}};
+  const BoardPrint print(board);
+  rendered.poses = PosesAround(train + test);
+  for (int i = 0; i < train + test; ++i) {
+    RenderSettings settings;
+    settings.seed = static_cast<uint32_t>(i + 1);
+    settings.hidden_share = 0.25;
+    rendered.pictures.push_back(RenderBoard(print, rendered.camera, rendered.poses[i], settings));
+    Photo photo;
+    photo.id = "photo_" + std::to_string(i);
+    photo.file = photo.id + ".png";
+    photo.camera = "photo";
+    photo.split = i < train ? PhotoSplit::kTrain : PhotoSplit::kTest;
+    rendered.capture.photos.push_back(photo);
+  }
+  return rendered;
+}
+
+}  // namespace lfm
