@@ -138,6 +138,22 @@ TEST(ImageFiles, JpegIsCloseAndKeepsColour) {
   }
 }
 
+// A tag that says "turn me by 90 degrees" (6) changes nothing: lenses are calibrated in the axes of
+// the sensor.
+TEST(ImageFiles, IgnoreExifOrientation) {
+  const TestFolder folder;
+  WriteImage(Pattern(32, 16, 3, PixelType::kUint8, ColorEncoding::kSrgb), folder / "a.jpg");
+  const Image plain = ReadImage(folder / "a.jpg");
+  const std::string exif(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+      36);
+  std::string bytes = Get(folder / "a.jpg");
+  bytes.insert(2, exif);
+  Put(folder / "a.jpg", bytes);
+  ExpectSame(ReadImage(folder / "a.jpg"), plain);
+}
+
 TEST(ImageFiles, AreDetectedByContentNotByName) {
   const TestFolder folder;
   const Image image = Pattern(8, 8, 3, PixelType::kUint8, ColorEncoding::kSrgb);

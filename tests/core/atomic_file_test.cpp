@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "test_files.h"
+
+namespace lfm {
+namespace {
+
+/// A limit on the size of files: writing past it fails as it does on a full disk.
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) {
+    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &old_);
+    rlimit limit = old_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int);
+};
+
+TEST(AtomicFile, WritesMakesFoldersAndReplaces) {
+  const TestFolder folder;
+  WriteFileAtomically(folder / "a/b/c.txt", "first");
+  WriteFileAtomically(folder / "a/b/c.txt", std::string_view("sec\0nd", 6));
+  EXPECT_EQ(Get(folder / "a/b/c.txt"), std::string("sec\0nd", 6));
+  EXPECT_EQ(folder.FileCount(), 3);
+  WriteFileAtomically(folder / "empty", "");
+  EXPECT_EQ(Get(folder / "empty"), "");
+}
+
+TEST(AtomicFile, WriterGetsAnotherNameWithTheSameEnding) {
+  const TestFolder folder;
+  std::filesystem::path seen;
+  WriteFileAtomically(folder / "picture.png", [&](const std::filesystem::path& temporary) {
+    seen = temporary;
+    EXPECT_FALSE(std::filesystem::exists(folder / "picture.png"));
+    Put(temporary, "pixels");
+  });
+  EXPECT_EQ(seen.extension(), ".png");
+  EXPECT_EQ(seen.parent_path(), folder.path());
+  EXPECT_NE(seen, folder / "picture.png");
+  EXPECT_EQ(Get(folder / "picture.png"), "pixels");
+  EXPECT_EQ(folder.FileCount(), 1);
+}
+
+TEST(AtomicFile, FailingWriterLeavesNothingBehind) {
+  const TestFolder folder;
+  Put(folder / "a.txt", "old");
+  ExpectError(
+      [&] {
+        WriteFileAtomically(folder / "a.txt", [](const std::filesystem::path& temporary) {
+          Put(temporary, "half");
+          throw Error("no more");
+        });
+      },
+      "no more");
+  EXPECT_EQ(Get(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.FileCount(), 1);
+}
+
+TEST(AtomicFile, FullDiskIsASystemErrorAndKeepsTheOldFile) {
+  const TestFolder folder;
+  Put(folder / "a.txt", "old");
+  {
+    const SmallDisk disk(4096);
+    ExpectError([&] { WriteFileAtomically(folder / "a.txt", std::string(100000, 'x')); }, "a.txt",
+                ErrorKind::kSystem);
+  }
+  EXPECT_EQ(Get(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.FileCount(), 1);
+}
+
+TEST(AtomicFile, WriterThatMakesNoFileIsAnError) {
+  const TestFolder folder;
+  ExpectError([&] { WriteFileAtomically(folder / "a.txt", [](const std::filesystem::path&) {}); },
+              "a.txt", ErrorKind::kSystem);
+  EXPECT_EQ(folder.FileCount(), 0);
+}
+
+TEST(AtomicFile, FolderThatCannotBeMadeIsASystemError) {
+  const TestFolder folder;
+  Put(folder / "file", "");
+  ExpectError([&] { WriteFileAtomically(folder / "file/a.txt", "x"); }, "a.txt",
+              ErrorKind::kSystem);
+  std::filesystem::create_directory(folder / "target");
+  Put(folder / "target/inside", "");
+  ExpectError([&] { WriteFileAtomically(folder / "target", "x"); }, "target", ErrorKind::kSystem);
+  EXPECT_EQ(folder.FileCount(), 3);
+}
+
+TEST(ReadFile, ReadsAllBytesAndRefusesTheRest) {
+  const TestFolder folder;
+  const std::string bytes("a\0b\nc\r\n", 7);
+  Put(folder / "a", bytes);
+  EXPECT_EQ(ReadFile(folder / "a"), bytes);
+  EXPECT_EQ(ReadFile(folder / "a", 7), bytes);
+  ExpectError([&] { ReadFile(folder / "a", 6); }, "7 bytes long");
+  ExpectError([&] { ReadFile(folder / "none"); }, "none: no such file");
+  ExpectError([&] { ReadFile(folder.path()); }, "is not a file");
+  ExpectError([&] { ReadFile("/dev/zero"); }, "is not a file");
+  Put(folder / "empty", "");
+  EXPECT_EQ(ReadFile(folder / "empty"), "");
+}
+
+}  // namespace
+}  // namespace lfm

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/command_line.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <new>
+
+#include "core/parallel.h"
+#include "test_files.h"
+
+namespace lfm {
+namespace {
+
+struct Outcome {
+  int status;
+  std::string out, error;
+  std::string first = "unset", second = "default";
+  bool ran = false;
+};
+
+Outcome RunTool(
+    std::vector<std::string> arguments,
+    const std::function<void(Progress&)>& body = [](Progress&) {}) {
+  arguments.insert(arguments.begin(), "lfm-tool");
+  std::vector<char*> argv;
+  for (std::string& a : arguments) argv.push_back(a.data());
+  Outcome outcome;
+  CommandLine line("lfm-tool", "Does things.", "lfm-tool input");
+  line.Positional("FIRST", "The first.", outcome.first);
+  line.OptionalPositional("SECOND", "The second.", outcome.second);
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  outcome.status = line.Run(static_cast<int>(argv.size()), argv.data(), [&](Progress& progress) {
+    outcome.ran = true;
+    body(progress);
+  });
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.error = testing::internal::GetCapturedStderr();
+  ClearInterruptRequest();
+  SetThreadCount(0);
+  return outcome;
+}
+
+void ExpectOneErrorLine(const Outcome& outcome, const std::string& part) {
+  EXPECT_EQ(outcome.error.rfind("lfm-tool: ", 0), 0u) << outcome.error;
+  EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  EXPECT_NE(outcome.error.find(part), std::string::npos) << outcome.error;
+  EXPECT_EQ(outcome.out, "");
+}
+
+TEST(CommandLine, SuccessIsZeroAndSilent) {
+  const Outcome outcome = RunTool({"a"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(outcome.ran);
+  EXPECT_EQ(outcome.first, "a");
+  EXPECT_EQ(outcome.second, "default");
+  EXPECT_EQ(outcome.error + outcome.out, "");
+  EXPECT_EQ(RunTool({"a", "b"}).second, "b");
+}
+
+TEST(CommandLine, UsageErrorsAreTwo) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{},
+                                                    {"a", "b", "c"},
+                                                    {"a", "--nonsense"},
+                                                    {"a", "--threads", "-3"},
+                                                    {"a", "--threads", "many"}}) {
+    const Outcome outcome = RunTool(arguments);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_FALSE(outcome.ran);
+    ExpectOneErrorLine(outcome, "--help");
+  }
+}
+
+TEST(CommandLine, BadInputIsTwo) {
+  const Outcome outcome = RunTool({"a"}, [](Progress&) { throw Error("a.png: is\nbroken\n"); });
+  EXPECT_EQ(outcome.status, 2);
+  ExpectOneErrorLine(outcome, "error: a.png: is broken");
+}
+
+TEST(CommandLine, OurFailuresAreOne) {
+  Outcome outcome =
+      RunTool({"a"}, [](Progress&) { throw Error("the disk is full", ErrorKind::kSystem); });
+  EXPECT_EQ(outcome.status, 1);
+  ExpectOneErrorLine(outcome, "the disk is full");
+  outcome = RunTool({"a"}, [](Progress&) { throw std::bad_alloc(); });
+  EXPECT_EQ(outcome.status, 1);
+  ExpectOneErrorLine(outcome, "memory");
+  outcome = RunTool({"a"}, [](Progress&) { throw std::logic_error("oops"); });
+  EXPECT_EQ(outcome.status, 1);
+  ExpectOneErrorLine(outcome, "oops");
+}
+
+TEST(CommandLine, InterruptIs130) {
+  const Outcome outcome = RunTool({"a"}, [](Progress& progress) {
+    progress.Start("work", 10);
+    std::raise(SIGINT);
+    progress.Advance();
+    ADD_FAILURE() << "went on after Ctrl-C";
+  });
+  EXPECT_EQ(outcome.status, 130);
+  ExpectOneErrorLine(outcome, "interrupted");
+  const Outcome terminated = RunTool({"a"}, [](Progress& progress) {
+    progress.Start("work", 10);
+    std::raise(SIGTERM);
+    progress.Advance();
+  });
+  EXPECT_EQ(terminated.status, 130);
+}
+
+TEST(CommandLine, HelpShowsTheExampleAndEveryCommonOption) {
+  const Outcome outcome = RunTool({"--help"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_FALSE(outcome.ran);
+  for (const char* part : {"lfm-tool input", "--quiet", "--verbose", "--threads", "--config",
+                           "--version", "FIRST", "The second."}) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(CommandLine, VersionIsTheProjects) {
+  const Outcome outcome = RunTool({"--version"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, "lfm-tool " LFM_VERSION "\n");
+}
+
+TEST(CommandLine, ThreadsBoundThisProcess) {
+  int inside = 0;
+  RunTool({"a", "--threads", "1"}, [&](Progress&) { inside = ThreadCount(); });
+  EXPECT_EQ(inside, 1);
+}
+
+TEST(CommandLine, QuietSaysNothing) {
+  const auto talk = [](Progress& progress) { progress.Note("half way"); };
+  EXPECT_EQ(RunTool({"a", "--quiet"}, talk).error, "");
+  EXPECT_EQ(RunTool({"a"}, talk).error, "half way\n");
+}
+
+}  // namespace
+}  // namespace lfm

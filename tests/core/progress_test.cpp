@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/progress.h"
+
+#include <gtest/gtest.h>
+
+#include "core/process_memory.h"
+#include "test_files.h"
+
+namespace lfm {
+namespace {
+
+TEST(Progress, InterruptsWhenAskedTo) {
+  const std::unique_ptr<Progress> progress = MakeConsoleProgress(true);
+  progress->Start("work", 3);
+  EXPECT_NO_THROW(progress->Advance());
+  RequestInterrupt();
+  EXPECT_TRUE(InterruptRequested());
+  EXPECT_THROW(progress->Advance(), Interrupted);
+  EXPECT_THROW(progress->Start("more", 3), Interrupted);
+  EXPECT_NO_THROW(SilentProgress().Advance());
+  ClearInterruptRequest();
+  EXPECT_FALSE(InterruptRequested());
+  EXPECT_NO_THROW(progress->Advance(5));
+}
+
+TEST(Progress, ShortWorkSaysNothing) {
+  testing::internal::CaptureStderr();
+  {
+    const std::unique_ptr<Progress> progress = MakeConsoleProgress(false);
+    progress->Start("work", 0);
+    progress->Advance();
+    progress->Start("other", 5);
+    progress->Advance(5);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(ProcessMemory, GrowsWithUse) {
+  const double before = PeakMemoryMib();
+  EXPECT_GT(before, 1);
+  std::vector<char> block(size_t{64} << 20);
+  for (size_t i = 0; i < block.size(); i += 4096) block[i] = 1;
+  EXPECT_GT(PeakMemoryMib(), std::max(before, 64.0));
+  EXPECT_EQ(block[4096], 1);
+}
+
+}  // namespace
+}  // namespace lfm
