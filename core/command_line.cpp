@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -51,11 +52,17 @@ class CliDeclarer : public OptionVisitor {
   }
   void Text(const OptionInfo& info, std::string& value) override { Add(info, value); }
   void Choice(const OptionInfo& info, const std::vector<std::string>& names, int& value) override {
-    std::vector<std::pair<std::string, int>> map;
-    for (size_t i = 0; i < names.size(); ++i) map.emplace_back(names[i], static_cast<int>(i));
-    Finish(app_.add_option("--" + std::string(info.name), value, HelpText(info))
-               ->transform(CLI::CheckedTransformer(map))
-               ->default_str(names.at(value)));
+    ChoiceBySetter(info, names, value, [&value](int index) { value = index; });
+  }
+  void ChoiceBySetter(const OptionInfo& info, const std::vector<std::string>& names, int current,
+                      const std::function<void(int)>& set) override {
+    const auto choose = [names, set](const std::string& name) {
+      set(static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin()));
+    };
+    Finish(
+        app_.add_option_function<std::string>("--" + std::string(info.name), choose, HelpText(info))
+            ->check(CLI::IsMember(names))
+            ->default_str(names.at(current)));
   }
 
  private:

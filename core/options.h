@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -39,11 +40,19 @@ class OptionVisitor {
   virtual void Choice(const OptionInfo& info, const std::vector<std::string>& names,
                       int& value) = 0;
 
+  /// A choice whose value is no int: `set` takes the index chosen. A visitor that learns values
+  /// only after Declare has returned (a command line) overrides this and keeps `set`.
+  virtual void ChoiceBySetter(const OptionInfo& info, const std::vector<std::string>& names,
+                              int current, const std::function<void(int)>& set) {
+    int index = current;
+    Choice(info, names, index);
+    set(index);
+  }
+
   template <typename Enum>
   void Enumeration(const OptionInfo& info, const std::vector<std::string>& names, Enum& value) {
-    int index = static_cast<int>(value);
-    Choice(info, names, index);
-    value = static_cast<Enum>(index);
+    ChoiceBySetter(info, names, static_cast<int>(value),
+                   [&value](int index) { value = static_cast<Enum>(index); });
   }
 };
 
