@@ -168,7 +168,7 @@ void Decimation::ReduceTo(int64_t count) {
   // Edge of the equilateral triangle of mean area at the target.
   const double usual_edge =
       std::sqrt(4 / std::sqrt(3.0) * state_->area / static_cast<double>(count));
-  CollapseLimits limits{0.35, 0.5, 2.5 * usual_edge, 9};
+  CollapseLimits limits{0.35, 0.05, 0.5, 2.5 * usual_edge, 0.1 * usual_edge, 9};
   // Strict first; where that does not reach the target, looser.
   for (int round = 0; round < 5 && state_->triangles > count; ++round) {
     bool collapsed = true;
@@ -197,9 +197,10 @@ TriangleMesh Decimation::Mesh() const {
 
 TriangleMesh RemoveShortEdges(const TriangleMesh& mesh, double length_mm) {
   HalfEdgeMesh work = MakeHalfEdgeMesh(mesh);
-  CollapseLimits limits{0.1, 0.5, std::numeric_limits<double>::infinity(), 12};
-  for (int pass = 0; pass < 3; ++pass) {
-    bool collapsed = false;
+  const CollapseLimits limits{0, 0, 0.5, std::numeric_limits<double>::infinity(), length_mm, 14};
+  // Shortest first, in doubling steps: the tiniest triangles point anywhere, and would stand in the
+  // way of others.
+  for (double length = length_mm / 1024; length <= length_mm; length *= 2) {
     for (size_t e = 0; e < work.topology.n_edges(); ++e) {
       const OpenMesh::EdgeHandle edge(static_cast<int>(e));
       if (work.topology.status(edge).deleted()) continue;
@@ -207,15 +208,13 @@ TriangleMesh RemoveShortEdges(const TriangleMesh& mesh, double length_mm) {
       const auto from = work.topology.from_vertex_handle(half_edge);
       const auto to = work.topology.to_vertex_handle(half_edge);
       const Eigen::Vector3d p = work.Position(from), q = work.Position(to);
-      if ((p - q).norm() >= length_mm) continue;
+      if ((p - q).norm() >= length) continue;
       Eigen::Vector3d position = 0.5 * (p + q);
       if ((p.z() == 0) != (q.z() == 0)) position = p.z() == 0 ? p : q;
       if (!MayCollapse(work, half_edge, position, limits)) continue;
       work.topology.collapse(half_edge);
       work.positions[to.idx()] = position;
-      collapsed = true;
     }
-    if (!collapsed) break;
   }
   return MakeTriangleMesh(work);
 }

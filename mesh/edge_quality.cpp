@@ -14,6 +14,7 @@ namespace lfm {
 namespace {
 
 constexpr double kCreaseCosine = std::numbers::sqrt2 / 2;
+constexpr double kSliverQuality = 0.05;
 constexpr double kFoldCosine = 0.85;  // a flip must not make a fold sharper than this
 
 double SmallestAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -43,6 +44,11 @@ Diamond DiamondOf(const HalfEdges& topology, OpenMesh::EdgeHandle edge) {
 bool IsCrease(const HalfEdgeMesh& mesh, OpenMesh::EdgeHandle edge) {
   const Diamond d = DiamondOf(mesh.topology, edge);
   const Eigen::Vector3d &a = mesh.Position(d.a), &b = mesh.Position(d.b);
+  // A sliver's normal says nothing about the surface.
+  if (TriangleQuality(a, b, mesh.Position(d.left)) < kSliverQuality ||
+      TriangleQuality(b, a, mesh.Position(d.right)) < kSliverQuality) {
+    return false;
+  }
   return Cosine(AreaNormal(a, b, mesh.Position(d.left)), AreaNormal(b, a, mesh.Position(d.right))) <
          kCreaseCosine;
 }
@@ -140,6 +146,12 @@ void SmoothTangentially(HalfEdgeMesh& mesh, const RayScene& surface,
 }
 
 }  // namespace
+
+TriangleMesh FlipTowardsDelaunay(const TriangleMesh& mesh) {
+  HalfEdgeMesh work = MakeHalfEdgeMesh(mesh);
+  FlipEdges(work);
+  return MakeTriangleMesh(work);
+}
 
 TriangleMesh ImproveTriangles(const TriangleMesh& mesh, const RayScene& surface,
                               const SurfaceSamples& samples) {

@@ -19,4 +19,7 @@ namespace lfm {
 TriangleMesh ImproveTriangles(const TriangleMesh& mesh, const RayScene& surface,
                               const SurfaceSamples& samples);
 
+/// The first step alone. Vertices and triangles only.
+TriangleMesh FlipTowardsDelaunay(const TriangleMesh& mesh);
+
 }  // namespace lfm

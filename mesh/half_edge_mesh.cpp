@@ -26,12 +26,16 @@ bool RingAllows(const HalfEdgeMesh& mesh, OpenMesh::VertexHandle moved,
     const Eigen::Vector3d &old = mesh.Position(moved), &b = mesh.Position(v1),
                           &c = mesh.Position(v2);
     if ((b - position).norm() > limits.max_edge_mm) return false;
+    const double longest_2 =
+        std::max({(b - old).squaredNorm(), (c - b).squaredNorm(), (old - c).squaredNorm()});
+    if (longest_2 <= limits.negligible_mm * limits.negligible_mm) continue;
     const double old_quality = TriangleQuality(old, b, c);
     const double quality = TriangleQuality(position, b, c);
-    if (quality < limits.min_quality && quality < old_quality) return false;
-    if (!(quality > 0.002)) return false;
+    // Where a triangle is bad already, a little worse is no reason to leave it for ever.
+    if (quality < std::min(limits.min_quality, 0.8 * old_quality)) return false;
+    if (quality < std::min(limits.worst_quality, old_quality)) return false;
     const Eigen::Vector3d before = AreaNormal(old, b, c), after = AreaNormal(position, b, c);
-    const double cosine_limit = old_quality > kSoundQuality ? limits.min_normal_cosine : 0;
+    const double cosine_limit = old_quality > kSoundQuality ? limits.min_normal_cosine : -1;
     if (before.dot(after) < cosine_limit * before.norm() * after.norm()) return false;
   }
   return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <vector>
 
@@ -41,9 +41,11 @@ inline Eigen::Vector3d AreaNormal(const Eigen::Vector3d& a, const Eigen::Vector3
 
 /// What a collapse of a half-edge (its start merges into its end) may do to the triangles around.
 struct CollapseLimits {
-  double min_quality = 0;        ///< of any triangle, unless it was worse before
-  double min_normal_cosine = 0;  ///< between a triangle's normals before and after
+  double min_quality = 0;        ///< of any triangle, unless it was hardly better before
+  double worst_quality = 0;      ///< of any triangle, unless it was worse before
+  double min_normal_cosine = 0;  ///< between a sound triangle's normals before and after
   double max_edge_mm = 0;        ///< of any edge that is moved
+  double negligible_mm = 0;      ///< triangles with no longer edge may turn
   int max_valence = 0;
 };
 /// True when collapsing to `position` leaves a manifold and keeps the limits.

@@ -10,6 +10,7 @@
 #include "mesh/base_closing.h"
 #include "mesh/cleaning.h"
 #include "mesh/decimation.h"
+#include "mesh/edge_quality.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/nearest_points.h"
 #include "mesh/plane_cut.h"
@@ -95,6 +96,7 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
   surface = RepairToClosedManifold(surface);
   surface = CutAtPlatform(surface, cell_mm);
   surface = RemoveShortEdges(RepairToClosedManifold(surface), kShortestEdgeInCells * cell_mm);
+  surface = FlipTowardsDelaunay(surface);
   progress.Advance();
   surface.normals = ComputeVertexNormals(surface);
   surface.confidence = MeasureConfidence(
