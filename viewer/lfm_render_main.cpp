@@ -3,10 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/command_line.h"
 #include "core/error.h"
+#include "core/image.h"
+#include "core/progress.h"
 #include "encode/glb.h"
 #include "viewer/camera_file.h"
 #include "viewer/orbit_camera.h"
@@ -70,6 +73,16 @@ std::vector<lfm::PosedCamera> ChooseCameras(const lfm::TriangleMesh& mesh,
   return cameras;
 }
 
+/// A turntable is counted in frames; the rows of one frame only look out for Ctrl-C.
+class RowsOfAFrame : public lfm::Progress {
+ public:
+  void Start(std::string_view, int64_t) override {}
+  void Advance(int64_t) override {
+    if (lfm::InterruptRequested()) throw lfm::Interrupted();
+  }
+  void Note(std::string_view) override {}
+};
+
 std::filesystem::path FramePath(const std::filesystem::path& folder, size_t frame) {
   char name[32];
   std::snprintf(name, sizeof(name), "frame_%04zu.png", frame);
@@ -99,11 +112,21 @@ int main(int argc, char** argv) {
     const lfm::ReferenceRenderer renderer(lfm::ReadGlb(model_file));
     const std::vector<lfm::PosedCamera> cameras =
         ChooseCameras(renderer.model().mesh, view, options);
-    for (size_t i = 0; i < cameras.size(); ++i) {
+    const auto render_one = [&](const lfm::PosedCamera& camera, const std::filesystem::path& file,
+                                lfm::Progress& rows) {
       const lfm::Rendering rendering =
-          renderer.Render(cameras[i].camera, cameras[i].camera_from_world, render, progress);
-      lfm::WriteImage(options.alpha ? rendering.layer : rendering.color,
-                      options.turntable > 0 ? FramePath(out, i) : std::filesystem::path(out));
+          renderer.Render(camera.camera, camera.camera_from_world, render, rows);
+      lfm::WriteImage(options.alpha ? rendering.layer : rendering.color, file);
+    };
+    if (options.turntable == 0) {
+      render_one(cameras[0], out, progress);
+      return;
+    }
+    RowsOfAFrame rows;
+    progress.Start("render the turntable", static_cast<int64_t>(cameras.size()));
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      render_one(cameras[i], FramePath(out, i), rows);
+      progress.Advance();
     }
   });
 }

@@ -12,7 +12,7 @@
 namespace lfm {
 namespace {
 
-constexpr int kCell = 11;  // two patches of up to 9 samples an edge, with the gutter between them
+constexpr int kCell = 13;  // two patches of up to 9 samples an edge, with their gutters
 constexpr int kCellColumns = 6, kCellRows = 4;
 constexpr int kTileColumns = 4, kTileRows = 3;
 
@@ -41,7 +41,7 @@ PatchPlacement PlaceTriangle(int t) {
   placement.page = t / 2 / (kCellColumns * kCellRows);
   placement.edge_samples = t / 2 % 3 == 0 ? 5 : 9;
   placement.flipped = t % 2 == 1;
-  placement.origin = {cell % kCellColumns * kCell, cell / kCellColumns * kCell};
+  placement.origin = {cell % kCellColumns * kCell + 1, cell / kCellColumns * kCell + 1};
   // The partner comes from the far corner of the square that holds both and their gutter.
   if (placement.flipped) placement.origin.array() += placement.edge_samples + 1;
   return placement;
