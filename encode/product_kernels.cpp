@@ -24,22 +24,26 @@ LFM_INLINE const Lane& At(const float* p) {
 }
 
 // kCount accumulator rows at once; element (r, i) of the left factor is p[r * row_step + i * step].
+// Sums are flushed every kRun terms: shorter float32 sums round less.
 template <typename Lane, int kLanes, int kCount>
 LFM_INLINE void Panel(const float* p, long row_step, long step, int length, const float* z,
                       float* y) {
-  constexpr int kLane = sizeof(Lane) / sizeof(float);
-  constexpr int kWidth = kLane * kLanes;
-  Lane sum[kCount][kLanes] = {};
-  for (int i = 0; i < length; ++i) {
-    Lane row[kLanes];
-    for (int l = 0; l < kLanes; ++l) row[l] = At<Lane>(z + long{i} * kWidth + l * kLane);
-    for (int r = 0; r < kCount; ++r) {
-      const float factor = p[r * row_step + i * step];
-      for (int l = 0; l < kLanes; ++l) sum[r][l] += factor * row[l];
+  constexpr int kLane = sizeof(Lane) / sizeof(float), kWidth = kLane * kLanes, kRun = 64;
+  for (int i = 0; i < kCount * kWidth; ++i) y[i] = 0;
+  for (int begin = 0; begin < length; begin += kRun) {
+    const int end = begin + kRun < length ? begin + kRun : length;
+    Lane sum[kCount][kLanes] = {};
+    for (int i = begin; i < end; ++i) {
+      Lane row[kLanes];
+      for (int l = 0; l < kLanes; ++l) row[l] = At<Lane>(z + long{i} * kWidth + l * kLane);
+      for (int r = 0; r < kCount; ++r) {
+        const float factor = p[r * row_step + i * step];
+        for (int l = 0; l < kLanes; ++l) sum[r][l] += factor * row[l];
+      }
     }
-  }
-  for (int r = 0; r < kCount; ++r) {
-    for (int l = 0; l < kLanes; ++l) At<Lane>(y + long{r} * kWidth + l * kLane) = sum[r][l];
+    for (int r = 0; r < kCount; ++r) {
+      for (int l = 0; l < kLanes; ++l) At<Lane>(y + long{r} * kWidth + l * kLane) += sum[r][l];
+    }
   }
 }
 
