@@ -43,8 +43,9 @@ DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const C
 /// when their depths differ by more than twice a pixel's size on the surface plus twice the
 /// smaller of the depth steps that the two sides show just beside it: a surface may be steep, and
 /// turn away steadily, without being torn apart. Both sides keep the margin, because the nearer one
-/// mixes with what lies behind it. The pixel next to an edge is half a pixel from it: a margin up
-/// to 0.5 keeps every pixel that shows the surface.
+/// mixes with what lies behind it. An edge counts as half-way between the two pixels, which is
+/// right to half a pixel. The pixel next to an edge is half a pixel from it: a margin up to 0.5
+/// keeps every pixel that shows the surface.
 std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px);
 
 }  // namespace lfm

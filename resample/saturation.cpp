@@ -42,43 +42,39 @@ float RidgeFor(const Eigen::MatrixXf& basis) {
 }
 
 /// 1 for data, and for bounds that the fit does not reach.
-Eigen::MatrixXf ActiveWeights(const CensoredMatrix& matrix, const Eigen::MatrixXf& bounds,
-                              const Eigen::MatrixXf& fit) {
-  return (matrix.is_censored.array() && (fit.array() >= bounds.array()))
-      .select(0.0F, Eigen::MatrixXf::Ones(bounds.rows(), bounds.cols()));
+Eigen::MatrixXf ActiveWeights(const CensoredMatrix& matrix, const Eigen::MatrixXf& fit) {
+  const Eigen::MatrixXf ones = Eigen::MatrixXf::Ones(fit.rows(), fit.cols());
+  return (matrix.is_censored.array() && (fit.array() >= matrix.values.array())).select(0.0F, ones);
 }
 
 }  // namespace
 
 Eigen::MatrixXf ImputeCensored(const CensoredMatrix& matrix, float ceiling) {
-  constexpr Eigen::Index kMaxTerms = 3, kViewsPerTerm = 6;
-  const Eigen::Index views = matrix.values.cols();
-  const Eigen::Index terms = std::min({kMaxTerms, views / kViewsPerTerm, matrix.values.rows()});
-  Eigen::MatrixXf result = matrix.values.array().min(ceiling).matrix();
-  result = matrix.is_censored.select(result, matrix.values);
-  if (terms == 0 || !matrix.is_censored.any() || matrix.is_censored.all()) return result;
-
-  const Eigen::VectorXf mean = matrix.values.rowwise().mean();
-  const Eigen::MatrixXf centered = matrix.values.colwise() - mean;
-  Factors factors = StartFactors(centered, terms);
+  // A diffuse and a glossy part; more terms explain the cut-off peak by itself.
+  constexpr Eigen::Index kTerms = 2, kFewestViews = 6;
+  const Eigen::MatrixXf& values = matrix.values;
+  const Eigen::MatrixXf bounded =
+      matrix.is_censored.select(values.array().min(ceiling).matrix(), values);
+  const bool can_fit = values.cols() >= kFewestViews && values.rows() >= kTerms &&
+                       matrix.is_censored.any() && !matrix.is_censored.all();
+  if (!can_fit) return bounded;
+  Factors factors = StartFactors(values, kTerms);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const Eigen::MatrixXf weights =
-        ActiveWeights(matrix, centered, factors.rows * factors.views.transpose());
+    const Eigen::MatrixXf weights = ActiveWeights(matrix, factors.rows * factors.views.transpose());
     const float row_ridge = RidgeFor(factors.views);
-    for (Eigen::Index r = 0; r < centered.rows(); ++r) {
-      factors.rows.row(r) = SolveOne(factors.views, centered.row(r).transpose(),
-                                     weights.row(r).transpose(), row_ridge)
-                                .transpose();
+    for (Eigen::Index r = 0; r < values.rows(); ++r) {
+      factors.rows.row(r) =
+          SolveOne(factors.views, values.row(r).transpose(), weights.row(r).transpose(), row_ridge)
+              .transpose();
     }
     const float view_ridge = RidgeFor(factors.rows);
-    for (Eigen::Index v = 0; v < views; ++v) {
+    for (Eigen::Index v = 0; v < values.cols(); ++v) {
       factors.views.row(v) =
-          SolveOne(factors.rows, centered.col(v), weights.col(v), view_ridge).transpose();
+          SolveOne(factors.rows, values.col(v), weights.col(v), view_ridge).transpose();
     }
   }
-  const Eigen::MatrixXf fit = (factors.rows * factors.views.transpose()).colwise() + mean;
-  return matrix.is_censored.select(fit.cwiseMax(matrix.values).array().min(ceiling).matrix(),
-                                   result);
+  const Eigen::MatrixXf fit = factors.rows * factors.views.transpose();
+  return matrix.is_censored.select(fit.cwiseMax(values).array().min(ceiling).matrix(), bounded);
 }
 
 }  // namespace lfm

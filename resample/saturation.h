@@ -13,12 +13,12 @@ struct CensoredMatrix {
 
 /// Estimates what saturated pixels would have read: a low-rank fit with one-sided residuals.
 ///
-/// The row means plus at most three terms are fitted by alternating least squares to the entries
+/// Two terms (a diffuse and a glossy part) are fitted by alternating least squares to the entries
 /// that are data; a censored entry takes part only while the fit lies below its bound, and then
 /// pulls towards the bound. A censored entry becomes max(bound, fit), at most `ceiling`; an entry
 /// that is data stays as it is, bit for bit. No view is dropped for being saturated: those are the
 /// views that show the highlight, and a triangle without them would be too dark there. Where a view
-/// (or row) has too little data for the fit, a ridge draws it towards the mean, and the bound
+/// (or row) has too little data for the fit, a ridge draws the fit towards zero, and the bound
 /// remains. With fewer than six views, or nothing censored, or nothing but, the bounds remain too.
 /// Values must be finite.
 Eigen::MatrixXf ImputeCensored(const CensoredMatrix& matrix, float ceiling);
