@@ -79,6 +79,11 @@ void BoardPrint::FillRaster() {
     return Eigen::Vector2d((x + 0.5) / raster_per_mm_ - board_.width_mm / 2,
                            (y + 0.5) / raster_per_mm_ - board_.height_mm / 2);
   };
+  // The last row and column may reach beyond the plate.
+  const auto beyond_plate = [&](int x, int y) {
+    return x + 1 > board_.width_mm * raster_per_mm_ * (1 + 1e-12) ||
+           y + 1 > board_.height_mm * raster_per_mm_ * (1 + 1e-12);
+  };
   const auto at = [&](int x, int y) {
     const bool inside = x >= 0 && y >= 0 && x < columns && y < rows;
     return inside ? distance[static_cast<size_t>(y) * columns + x] : 0;
@@ -87,7 +92,7 @@ void BoardPrint::FillRaster() {
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       int& d = distance[static_cast<size_t>(y) * columns + x];
-      d = EdgeWithin(center(x, y), half_diagonal)
+      d = beyond_plate(x, y) || EdgeWithin(center(x, y), half_diagonal)
               ? 0
               : 1 + std::min({at(x - 1, y), at(x - 1, y - 1), at(x, y - 1), at(x + 1, y - 1)});
     }

@@ -80,8 +80,12 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
   CalibOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   ValidateBoard(board, board.name.empty() ? "board" : board.name);
-  std::vector<CalibPicture> pictures =
-      FindBoards(ListPictures(capture), capture, board, load_image, progress);
+  std::vector<CalibPicture> pictures = ListPictures(capture);
+  if (pictures.empty()) {
+    throw Error((capture.folder / "capture.json").string() +
+                ": no pictures; list at least three photographs of the platform");
+  }
+  pictures = FindBoards(std::move(pictures), capture, board, load_image, progress);
   const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
   CalibResult result;
   std::map<std::string, double> noise_of_camera;

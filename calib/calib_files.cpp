@@ -12,27 +12,20 @@ namespace {
 constexpr int kMaxCount = 1000000000;
 
 nlohmann::json CameraToJson(const Camera& c) {
-  return {{"width", c.width},
-          {"height", c.height},
-          {"focal_px", {c.fx, c.fy}},
-          {"principal_point_px", {c.cx, c.cy}},
-          {"radial", {c.k1, c.k2, c.k3}},
-          {"tangential", {c.p1, c.p2}}};
+  return {{"width", c.width}, {"height", c.height}, {"fx", c.fx}, {"fy", c.fy},
+          {"cx", c.cx},       {"cy", c.cy},         {"k1", c.k1}, {"k2", c.k2},
+          {"k3", c.k3},       {"p1", c.p1},         {"p2", c.p2}};
 }
 
 Camera CameraFromJson(JsonReader& reader, const std::string& where) {
   Camera c;
   c.width = reader.Integer("width", 1, 65536);
   c.height = reader.Integer("height", 1, 65536);
-  const std::vector<double> focal = reader.Numbers("focal_px", 2);
-  const std::vector<double> center = reader.Numbers("principal_point_px", 2);
-  const std::vector<double> radial = reader.Numbers("radial", 3);
-  const std::vector<double> tangential = reader.Numbers("tangential", 2);
+  c.fx = reader.Number("fx"), c.fy = reader.Number("fy");
+  c.cx = reader.Number("cx"), c.cy = reader.Number("cy");
+  c.k1 = reader.Number("k1"), c.k2 = reader.Number("k2"), c.k3 = reader.Number("k3");
+  c.p1 = reader.Number("p1"), c.p2 = reader.Number("p2");
   reader.Finish();
-  c.fx = focal[0], c.fy = focal[1];
-  c.cx = center[0], c.cy = center[1];
-  c.k1 = radial[0], c.k2 = radial[1], c.k3 = radial[2];
-  c.p1 = tangential[0], c.p2 = tangential[1];
   ValidateCamera(c, where.c_str());
   return c;
 }

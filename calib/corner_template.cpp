@@ -44,6 +44,7 @@ PixelFootprint MakePixelFootprint(double blur_px) {
     footprint.offsets.emplace_back(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
     footprint.reach = std::max(footprint.reach, footprint.offsets.back().norm());
   }
+  footprint.tail = 0.5 + 3.5 * blur_px;
   return footprint;
 }
 
@@ -82,12 +83,15 @@ double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFo
   const Eigen::Vector2d board = p.hnormalized();
   const Eigen::Matrix2d slope =
       (h.topLeftCorner<2, 2>() - board * h.bottomLeftCorner<1, 2>()) / p.z();
+  for (const Eigen::Vector2d& o :
+       {Eigen::Vector2d(footprint.tail, 0), Eigen::Vector2d(0, footprint.tail)}) {
+    if (print.Value(board + slope * o) < 0 || print.Value(board - slope * o) < 0) return -1;
+  }
   if (print.UniformRadius(board) > slope.norm() * footprint.reach) return print.Value(board);
   double sum = 0;
   for (const Eigen::Vector2d& o : footprint.offsets) {
-    const double value = print.Value(board + slope * o);
-    if (value < 0) return -1;
-    sum += value;
+    // A corner of the footprint may stick out a little farther than the tails along the axes.
+    sum += std::max(0.0, print.Value(board + slope * o));
   }
   return sum / static_cast<double>(footprint.offsets.size());
 }

@@ -17,6 +17,7 @@ namespace lfm {
 struct PixelFootprint {
   std::vector<Eigen::Vector2d> offsets;
   double reach = 0;  ///< length of the longest offset
+  double tail = 0;   ///< beyond this distance no light is left to speak of
 };
 
 /// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice of 34
@@ -36,7 +37,8 @@ std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_
                                        const Eigen::Vector3d& board_point);
 
 /// What one pixel sees of the print: mean reflectance (0 ink, 1 paper) over its footprint, at
-/// `offset` pixels from `view.pixel`; -1 when any of it lies beyond the plate or behind the camera.
+/// `offset` pixels from `view.pixel`; -1 when the blur's tail reaches beyond the plate, of whose
+/// surroundings nothing is known, or when the pixel looks away from the plate.
 double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFootprint& footprint,
                    const Eigen::Vector2d& offset);
 

@@ -98,6 +98,7 @@ TEST(BoardPrint, OutsideThePlateGivesNoAnswer) {
 
 TEST(BoardPrint, TurnedTagShowsTheSameCells) {
   Board board = TwoTags();
+  board.checker_columns = board.checker_rows = 0;
   board.tags[0] = {.id = 5, .center_mm = {-85, 40}, .rotation = 0};
   board.tags[1] = {.id = 6, .center_mm = {0, 95}, .rotation = 0};
   const BoardPrint upright(board);

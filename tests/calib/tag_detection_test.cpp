@@ -12,47 +12,49 @@
 namespace lfm {
 namespace {
 
-// The library's edges are good to some tenths of a pixel; half a pixel of bias must not pass.
-constexpr double kDetectionBias_abs_px = 0.1;
-constexpr double kDetectionWorst_abs_px = 1.0;
+// Half a pixel of bias must not pass; single corners are off by some tenths.
+constexpr double kDetectionBias_abs_px = 0.05;
+constexpr double kDetectionWorst_abs_px = 2.0;
 
-TEST(TagDetection, DrawnBoardIsFoundWithoutHalfPixelBiasAndInOrder) {
+TEST(TagDetection, DrawnBoardIsFoundWithItsCornersInOrder) {
   const Board board = DefaultBoard();
   constexpr double kPixelsPerMm = 4;
   const Image drawing = DrawBoard(board, kPixelsPerMm);
   TagDetector detector(board.family);
   const std::vector<TagDetection> tags = detector.Detect(drawing);
   ASSERT_EQ(tags.size(), board.tags.size());
-  Eigen::Vector2d bias = Eigen::Vector2d::Zero();
   for (size_t i = 0; i < tags.size(); ++i) {
     ASSERT_EQ(tags[i].id, board.tags[i].id);
     const auto corners = board.TagCorners(board.tags[i]);
     for (int c = 0; c < 4; ++c) {
       const Eigen::Vector2d expected((corners[c].x() + 110) * kPixelsPerMm - 0.5,
                                      (110 - corners[c].y()) * kPixelsPerMm - 0.5);
-      const Eigen::Vector2d error = tags[i].corners[c] - expected;
-      EXPECT_LT(error.norm(), kDetectionWorst_abs_px) << "tag " << i << " corner " << c;
-      bias += error / (4.0 * static_cast<double>(tags.size()));
+      EXPECT_LT((tags[i].corners[c] - expected).norm(), 1) << "tag " << i << " corner " << c;
     }
   }
-  EXPECT_LT(bias.norm(), kDetectionBias_abs_px) << bias.transpose();
 }
 
-TEST(TagDetection, FindsTagsInANoisyObliqueView) {
+TEST(TagDetection, ObliqueNoisyViewsHaveNoHalfPixelBias) {
   const Board board = DefaultBoard();
-  const Camera camera = SmallCamera();
-  const Pose pose = PosesAround(5)[2];
+  const Camera camera = ScaleCamera(SmallCamera(), 1.5);
   TagDetector detector(board.family);
-  const auto tags = detector.Detect(RenderBoard(BoardPrint(board), camera, pose));
-  EXPECT_GE(tags.size(), 16u);
-  for (const TagDetection& tag : tags) {
-    ASSERT_LT(tag.id, 24);
-    const auto corners = board.TagCorners(board.tags[tag.id]);
-    for (int c = 0; c < 4; ++c) {
-      const auto projected = Project(camera, pose * corners[c]);
-      ASSERT_TRUE(projected);
-      EXPECT_LT((tag.corners[c] - *projected).norm(), 1.5) << tag.id;
+  for (const Pose& pose : PosesAround(3)) {
+    const auto tags =
+        detector.Detect(RenderBoard(BoardPrint(board), camera, pose, {.subsamples = 3}));
+    EXPECT_GE(tags.size(), 20u);
+    Eigen::Vector2d bias = Eigen::Vector2d::Zero();
+    for (const TagDetection& tag : tags) {
+      ASSERT_LT(tag.id, 24);
+      const auto corners = board.TagCorners(board.tags[tag.id]);
+      for (int c = 0; c < 4; ++c) {
+        const auto projected = Project(camera, pose * corners[c]);
+        ASSERT_TRUE(projected);
+        const Eigen::Vector2d error = tag.corners[c] - *projected;
+        EXPECT_LT(error.norm(), kDetectionWorst_abs_px) << tag.id;
+        bias += error / (4.0 * static_cast<double>(tags.size()));
+      }
     }
+    EXPECT_LT(bias.norm(), kDetectionBias_abs_px) << bias.transpose();
   }
 }
 
