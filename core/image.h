@@ -103,7 +103,7 @@ Image ReadImage(const std::filesystem::path& file,
                 std::optional<ColorEncoding> encoding = std::nullopt);
 
 struct ImageWriteOptions {
-  int png_compression = 3;  ///< 0-9
+  int png_compression = 2;  ///< 0-9; above 2 a photograph costs twice the time for 3 % fewer bytes
   int jpeg_quality = 92;    ///< 1-100
 };
 /// Writes by the ending of `file`: .png (8 bit sRGB, or 16 bit), .jpg (8 bit sRGB, 1 or 3
