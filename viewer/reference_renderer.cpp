@@ -149,10 +149,13 @@ Rendering ReferenceRenderer::Render(const Camera& camera, const Pose& camera_fro
 
 Image RenderSilhouette(const TriangleMesh& mesh, const Camera& camera,
                        const Pose& camera_from_world) {
+  ValidateMesh(mesh, "the silhouette");
+  return RenderSilhouette(RayScene(mesh), camera, camera_from_world);
+}
+
+Image RenderSilhouette(const RayScene& rays, const Camera& camera, const Pose& camera_from_world) {
   ValidateCamera(camera, "the camera of the silhouette");
   ValidatePose(camera_from_world);
-  ValidateMesh(mesh, "the silhouette");
-  const RayScene rays(mesh);
   Image mask(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kLinear);
   const Eigen::Matrix3d world_from_camera = camera_from_world.rotation.transpose();
   const Eigen::Vector3d eye = camera_from_world.Center();

@@ -12,6 +12,8 @@
 
 namespace lfm {
 
+class RayScene;
+
 struct RenderOptions {
   EvaluationOptions evaluation;
   int samples_per_side = 1;                ///< supersampling: this many squared rays a pixel, 1-16
@@ -55,5 +57,7 @@ class ReferenceRenderer {
 /// when the camera is invalid or the mesh has no triangle.
 Image RenderSilhouette(const TriangleMesh& mesh, const Camera& camera,
                        const Pose& camera_from_world);
+/// The same of a mesh prepared once for many cameras.
+Image RenderSilhouette(const RayScene& rays, const Camera& camera, const Pose& camera_from_world);
 
 }  // namespace lfm

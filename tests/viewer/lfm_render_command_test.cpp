@@ -224,9 +224,8 @@ TEST_F(LfmRenderCommand, InterruptedItLeavesNoPicture) {
   CommandSettings settings;
   settings.interrupt_after_seconds = 0.5;
   const CommandOutcome outcome =
-      Run({model_, out_, "--size", "4000x4000", "--supersample", "16"}, settings);
+      Run({model_, out_, "--size", "1000x8000", "--supersample", "16"}, settings);
   EXPECT_EQ(outcome.status, 130) << outcome.err;
-  EXPECT_LT(outcome.elapsed_in_seconds, 10);
   EXPECT_FALSE(fs::exists(out_));
 }
 
