@@ -11,6 +11,7 @@ namespace lfm {
 namespace {
 
 constexpr int kSmoothingSweeps = 50;  // over filled vertices; holes are a few triangles wide
+constexpr int kCompletionRounds = 8;  // each halves what is lacking, or better
 
 // How much each view counts in the mean; the weights sum to one.
 std::vector<double> ViewShares(const LightFieldSource& source, int triangle, size_t views,
@@ -96,15 +97,53 @@ void FillUnseen(const LightFieldSource& source, std::span<const int> edge_sample
   }
 }
 
-// The gutter texel beyond the hypotenuse must hold b + c - a (docs/formats.md). Only inner samples
-// are moved: those on an edge belong to the neighbour as well.
+// The sample a = (i, j) of a cell on the hypotenuse, and its two neighbours on it.
+struct DiagonalCell {
+  int a, b, c;
+};
+DiagonalCell CellOnHypotenuse(int n, int i) {
+  const int j = n - 2 - i;
+  return {3 * PatchSampleIndex(n, i, j), 3 * PatchSampleIndex(n, i + 1, j),
+          3 * PatchSampleIndex(n, i, j + 1)};
+}
+
+// The gutter texel beyond the hypotenuse must hold b + c - a (docs/formats.md), in [0, 1]. Moves a
+// where it does not; twice as far on an edge, where the neighbour's sample is averaged with it.
+bool MoveTowardsCompletions(int n, std::vector<float>& mean) {
+  bool moved = false;
+  for (int i = 0; i <= n - 2; ++i) {
+    const DiagonalCell cell = CellOnHypotenuse(n, i);
+    const bool on_edge = i == 0 || i == n - 2;
+    for (int c = 0; c < 3; ++c) {
+      float& a = mean[cell.a + c];
+      const float sum = mean[cell.b + c] + mean[cell.c + c];
+      const float wanted = std::clamp(a, std::max(0.f, sum - 1), std::min(1.f, sum));
+      moved |= wanted != a;
+      a += (on_edge ? 2.f : 1.f) * (wanted - a);
+    }
+  }
+  return moved;
+}
+
+void MakeCompletable(const SharedSamples& shared, std::span<const int> edge_samples,
+                     std::span<const PatchValues> patches, std::vector<std::vector<float>>& means) {
+  for (int round = 0; round < kCompletionRounds; ++round) {
+    bool moved = false;
+    for (size_t t = 0; t < means.size(); ++t) {
+      moved |= MoveTowardsCompletions(edge_samples[t], means[t]);
+    }
+    if (!moved) return;
+    MakeContinuous(shared, 3, patches);
+  }
+}
+
+// What rounding still lacks; only inner samples are moved.
 void KeepCompletionsInRange(int n, std::vector<uint8_t>& codes) {
   for (int i = 1; i <= n - 3; ++i) {
-    const int j = n - 2 - i;
+    const DiagonalCell cell = CellOnHypotenuse(n, i);
     for (int c = 0; c < 3; ++c) {
-      uint8_t& a = codes[3 * PatchSampleIndex(n, i, j) + c];
-      const int sum = codes[3 * PatchSampleIndex(n, i + 1, j) + c] +
-                      codes[3 * PatchSampleIndex(n, i, j + 1) + c];
+      uint8_t& a = codes[cell.a + c];
+      const int sum = codes[cell.b + c] + codes[cell.c + c];
       a = static_cast<uint8_t>(std::clamp<int>(a, std::max(0, sum - 255), std::min(255, sum)));
     }
   }
@@ -224,7 +263,11 @@ MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& sh
   if (unseen > 0) FillUnseen(source, edge_samples, measured, means);
   std::vector<PatchValues> patches(triangles);
   for (int t = 0; t < triangles; ++t) patches[t] = {means[t].data(), measured[t] != 0};
+  for (auto& mean : means) {
+    for (float& value : mean) value = std::clamp(value, 0.f, 1.f);
+  }
   MakeContinuous(shared, 3, patches);
+  MakeCompletable(shared, edge_samples, patches, means);
   MeanView view = QuantizeMean(shared, edge_samples, means);
   view.unseen_triangles = static_cast<int>(unseen);
   return view;

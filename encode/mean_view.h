@@ -19,8 +19,8 @@ struct MeanView {
 /// The mean of each sample over the view grids of the triangle's three corners; directions that
 /// were guessed count `guessed_weight` (1 where none was seen). Edges and corners are then made
 /// continuous (MakeContinuous), codes too. Triangles that no photograph sees are filled smoothly
-/// from their neighbours. In cells on the hypotenuse whose completion b + c - a no code could
-/// hold, the inner sample a is moved by what is lacking.
+/// from their neighbours. In cells on the hypotenuse whose completion b + c - a (gutters.h) would
+/// leave [0, 1], the sample a is moved by what is lacking, to a level or so.
 ///
 /// Throws Error when no triangle at all is seen, or the source is inconsistent.
 MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& shared,

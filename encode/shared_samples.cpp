@@ -83,18 +83,44 @@ void AverageCorner(const SharedCorner& corner, int channels, std::span<const Pat
   }
 }
 
-// A patch's value at an inner node, weighted by the hat function of the node.
-double NodeValue(const EdgeUse& use, int segments, int node, int channels, int channel,
-                 const float* values) {
-  const int ratio = (use.edge_samples - 1) / segments;
-  double sum = 0;
-  for (int d = 1 - ratio; d < ratio; ++d) {
-    const int sample = UseSampleIndex(use, node * ratio + d);
-    sum += static_cast<double>(ratio - std::abs(d)) * values[sample * channels + channel];
+// A patch's samples along its side of an edge, in the first use's direction.
+std::vector<double> SamplesAlong(const EdgeUse& use, int channels, int channel,
+                                 const float* values) {
+  std::vector<double> samples(use.edge_samples);
+  for (int step = 0; step < use.edge_samples; ++step) {
+    samples[step] = values[UseSampleIndex(use, step) * channels + channel];
   }
-  return sum / (static_cast<double>(ratio) * ratio);
+  return samples;
 }
 
+// The least squares fit of a function that is linear between `segments + 1` nodes to samples that
+// divide each segment into equal steps; the end nodes keep the end samples. The normal equations
+// are tridiagonal with constant coefficients (Thomas's algorithm).
+std::vector<double> FitNodes(const std::vector<double>& samples, int segments) {
+  const int ratio = (static_cast<int>(samples.size()) - 1) / segments;
+  double diagonal = 0, beside = 0;
+  std::vector<double> hat(ratio);
+  for (int d = 0; d < ratio; ++d) {
+    hat[d] = 1 - static_cast<double>(d) / ratio;
+    diagonal += (d == 0 ? 1 : 2) * hat[d] * hat[d];
+    beside += d == 0 ? 0 : hat[d] * (1 - hat[d]);
+  }
+  std::vector<double> nodes(segments + 1), factor(segments + 1, 0.0);
+  nodes.front() = samples.front();
+  nodes.back() = samples.back();
+  for (int i = 1; i < segments; ++i) {
+    double right = 0;
+    for (int d = 1 - ratio; d < ratio; ++d) right += hat[std::abs(d)] * samples[i * ratio + d];
+    if (i == segments - 1) right -= beside * nodes.back();
+    const double pivot = diagonal - beside * factor[i - 1];
+    factor[i] = beside / pivot;
+    nodes[i] = (right - beside * nodes[i - 1]) / pivot;
+  }
+  for (int i = segments - 2; i >= 1; --i) nodes[i] -= factor[i] * nodes[i + 1];
+  return nodes;
+}
+
+// The mean of the patches' fits. Their corners are equal already.
 std::vector<double> SharedNodes(const SharedEdge& edge, int channels, int channel,
                                 std::span<const PatchValues> patches) {
   bool any_measured = false;
@@ -104,17 +130,11 @@ std::vector<double> SharedNodes(const SharedEdge& edge, int channels, int channe
   for (const EdgeUse& use : edge.uses) {
     if (any_measured && !patches[use.patch].measured) continue;
     ++count;
-    for (int node = 1; node < edge.segments; ++node) {
-      nodes[node] +=
-          NodeValue(use, edge.segments, node, channels, channel, patches[use.patch].values);
-    }
+    const std::vector<double> fit =
+        FitNodes(SamplesAlong(use, channels, channel, patches[use.patch].values), edge.segments);
+    for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += fit[i];
   }
   for (double& node : nodes) node /= count;
-  // Corners are equal on all sides already.
-  const EdgeUse& first = edge.uses.front();
-  const float* values = patches[first.patch].values;
-  nodes.front() = values[UseSampleIndex(first, 0) * channels + channel];
-  nodes.back() = values[UseSampleIndex(first, first.edge_samples - 1) * channels + channel];
   return nodes;
 }
 

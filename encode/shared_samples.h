@@ -60,9 +60,9 @@ struct PatchValues {
 
 /// Makes patches continuous: at each corner, then along each edge, the patches' values are averaged
 /// (patches that are not measured count only when all are unmeasured) and written back to all of
-/// them. Where a patch is finer than the shared nodes, its samples are averaged onto the nodes by
-/// hat weights (exact for linear functions) and interpolated linearly between them. Running it
-/// twice changes nothing more; patches without neighbours stay as they are. The result is the same
+/// them. Where a patch is finer than the shared nodes, its least squares fit at the nodes enters,
+/// and its samples are interpolated linearly between them. Linear functions, and patches without
+/// neighbours, stay as they are; running it twice changes nothing more. The result is the same
 /// function on both sides of every edge, to rounding.
 void MakeContinuous(const SharedSamples& shared, int channels,
                     std::span<const PatchValues> patches);

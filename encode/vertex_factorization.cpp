@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/vertex_factorization.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -55,13 +56,27 @@ std::vector<float> TimesVector(const std::vector<float>& x, int rows, int width,
   return y;
 }
 
-void MakeRingContinuous(const VertexOperator& f, const SharedSamples& shared,
-                        std::vector<float>& u) {
+// The captured subspace, with surface maps made equal on shared samples, and F^T of it.
+struct Subspace {
+  int width = 8;
+  std::vector<float> left;   // M x width, orthonormal, continuous over the ring
+  std::vector<float> right;  // 3N x width, (F D)^T left
+};
+
+// Continuity is a linear condition: making the whole basis continuous first, rather than each term
+// afterwards, leaves the best continuous terms to be found inside.
+Subspace MakeContinuousSubspace(const VertexOperator& f, const LinearMap& scaled,
+                                const SharedSamples& shared, PcaResult pca) {
+  Subspace space{pca.width, std::move(pca.left), std::move(pca.right)};
   std::vector<PatchValues> patches;
   for (const RingBlock& block : f.blocks) {
-    patches.push_back({u.data() + block.first_row, block.views > 0});
+    patches.push_back(
+        {space.left.data() + size_t{1} * block.first_row * space.width, block.views > 0});
   }
-  MakeContinuous(shared, 1, patches);
+  MakeContinuous(shared, space.width, patches);
+  Orthonormalize(space.left, f.rows, space.width);
+  scaled.multiply_transposed(space.left.data(), space.width, space.right.data());
+  return space;
 }
 
 // Values of the map, and of the completions beyond the hypotenuse that the gutters will hold.
@@ -101,24 +116,19 @@ void QuantizeSurface(const VertexOperator& f, const SharedSamples& shared,
   }
 }
 
-void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, TermMaps& maps,
-             DecodedTerm& decoded) {
+// F^T u of a quantised surface map.
+std::vector<double> ProductWith(const VertexOperator& f, const std::vector<float>& surface) {
   std::vector<float> columns(static_cast<size_t>(f.rows) * kProductWidth, 0.f);
-  for (int row = 0; row < f.rows; ++row) columns[row * kProductWidth] = decoded.surface[row];
+  for (int row = 0; row < f.rows; ++row) columns[row * kProductWidth] = surface[row];
   std::vector<float> products(static_cast<size_t>(f.cols()) * kProductWidth);
   MultiplyTransposed(f, columns.data(), kProductWidth, products.data());
-  decoded.product.resize(f.cols());
-  for (int col = 0; col < f.cols(); ++col) decoded.product[col] = products[col * kProductWidth];
+  std::vector<double> product(f.cols());
+  for (int col = 0; col < f.cols(); ++col) product[col] = products[col * kProductWidth];
+  return product;
+}
 
-  std::vector<double> fit = decoded.product;
-  for (const DecodedTerm& term : earlier) {
-    const double overlap = Dot(term.surface, decoded.surface);
-    for (int col = 0; col < f.cols(); ++col) fit[col] -= overlap * term.view[col];
-  }
-  const double norm = Dot(decoded.surface, decoded.surface);
-  std::vector<float> view(f.cols());
-  for (int col = 0; col < f.cols(); ++col) view[col] = static_cast<float>(fit[col] / norm);
-
+void QuantizeView(const VertexOperator& f, const std::vector<float>& view, TermMaps& maps,
+                  DecodedTerm& decoded) {
   const auto [low, high] = std::minmax_element(view.begin(), view.end());
   maps.view_range = ViewRange(*low, *high);
   maps.view_codes.resize(f.cols());
@@ -133,16 +143,54 @@ void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, T
   }
 }
 
+// The least squares view map of the remainder that the earlier quantised terms left.
+void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, TermMaps& maps,
+             DecodedTerm& decoded) {
+  decoded.product = ProductWith(f, decoded.surface);
+  std::vector<double> fit = decoded.product;
+  for (const DecodedTerm& term : earlier) {
+    const double overlap = Dot(term.surface, decoded.surface);
+    for (int col = 0; col < f.cols(); ++col) fit[col] -= overlap * term.view[col];
+  }
+  const double norm = Dot(decoded.surface, decoded.surface);
+  std::vector<float> view(f.cols());
+  for (int col = 0; col < f.cols(); ++col) view[col] = static_cast<float>(fit[col] / norm);
+  QuantizeView(f, view, maps, decoded);
+}
+
+// All view maps once more, together: V = F^T U (U^T U)^-1. Surface maps of one vertex are nearly
+// orthogonal, so that the terms stay progressive.
+void RefitViews(const VertexOperator& f, std::vector<TermMaps>& maps,
+                std::vector<DecodedTerm>& terms) {
+  const auto count = static_cast<int>(terms.size());
+  Eigen::MatrixXd gram(count, count);
+  for (int a = 0; a < count; ++a) {
+    for (int b = 0; b < count; ++b) gram(a, b) = Dot(terms[a].surface, terms[b].surface);
+  }
+  const Eigen::LLT<Eigen::MatrixXd> solver(gram);
+  if (solver.info() != Eigen::Success) return;
+  Eigen::MatrixXd products(count, f.cols());
+  for (int k = 0; k < count; ++k) {
+    products.row(k) = Eigen::Map<const Eigen::RowVectorXd>(terms[k].product.data(), f.cols());
+  }
+  const Eigen::MatrixXf views = solver.solve(products).cast<float>();
+  for (int k = 0; k < count; ++k) {
+    std::vector<float> view(f.cols());
+    for (int col = 0; col < f.cols(); ++col) view[col] = views(k, col);
+    QuantizeView(f, view, maps[k], terms[k]);
+  }
+}
+
 // R becomes F_{p+1}^T U: minus D v (u^T U).
-void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, const PcaResult& pca,
+void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, const Subspace& space,
              std::vector<float>& remainder) {
-  Eigen::VectorXf overlap = Eigen::VectorXf::Zero(pca.width);
+  Eigen::VectorXf overlap = Eigen::VectorXf::Zero(space.width);
   for (size_t row = 0; row < term.surface.size(); ++row) {
-    overlap += term.surface[row] *
-               Eigen::Map<const Eigen::VectorXf>(pca.left.data() + row * pca.width, pca.width);
+    overlap += term.surface[row] * Eigen::Map<const Eigen::VectorXf>(
+                                       space.left.data() + row * space.width, space.width);
   }
   for (size_t col = 0; col < term.view.size(); ++col) {
-    Eigen::Map<Eigen::VectorXf>(remainder.data() + col * pca.width, pca.width) -=
+    Eigen::Map<Eigen::VectorXf>(remainder.data() + col * space.width, space.width) -=
         (term.view[col] * column_scale[col % column_scale.size()]) * overlap;
   }
 }
@@ -167,12 +215,12 @@ struct Candidate {
   Extent extent;
   AlphaSplit split;
 };
-std::optional<Candidate> NextTerm(const VertexOperator& f, const SharedSamples& shared,
-                                  const PcaResult& pca, const std::vector<float>& remainder,
+std::optional<Candidate> NextTerm(const VertexOperator& f, const Subspace& space,
+                                  const std::vector<float>& remainder,
                                   const std::vector<float>& column_scale) {
-  Eigen::VectorXf mix = LeadingMix(remainder, f.cols(), pca.width);
+  Eigen::VectorXf mix = LeadingMix(remainder, f.cols(), space.width);
   Candidate next;
-  next.surface = TimesVector(pca.left, f.rows, pca.width, mix);
+  next.surface = TimesVector(space.left, f.rows, space.width, mix);
   // Singular vectors have no sign of their own: mostly positive surface maps are easier to look at.
   double sum = 0;
   for (const float value : next.surface) sum += value;
@@ -180,8 +228,7 @@ std::optional<Candidate> NextTerm(const VertexOperator& f, const SharedSamples& 
     mix = -mix;
     for (float& value : next.surface) value = -value;
   }
-  MakeRingContinuous(f, shared, next.surface);
-  const std::vector<float> view = TimesVector(remainder, f.cols(), pca.width, mix);
+  const std::vector<float> view = TimesVector(remainder, f.cols(), space.width, mix);
   Extent view_extent;
   for (size_t col = 0; col < view.size(); ++col) {
     view_extent.Include(view[col] / column_scale[col % column_scale.size()]);
@@ -220,24 +267,29 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   result.entries = int64_t{f.rows} * f.cols();
   result.energy = result.squared_error = energies.plain;
   result.singular_value_share.assign(options.terms, 0.0);
-  const PcaResult pca = ComputePca(ScaledMap(f, column_scale), {.terms = options.terms});
+  const LinearMap scaled = ScaledMap(f, column_scale);
+  PcaResult pca = ComputePca(scaled, {.terms = options.terms});
   for (int k = 0; k < pca.terms && energies.scaled > 0; ++k) {
     result.singular_value_share[k] =
         pca.singular_values[k] * pca.singular_values[k] / energies.scaled;
   }
-  std::vector<float> remainder = pca.right;
+  const int terms = pca.terms;
+  if (terms == 0) return result;
+  const Subspace space = MakeContinuousSubspace(f, scaled, shared, std::move(pca));
+  std::vector<float> remainder = space.right;
   std::vector<DecodedTerm> decoded;
-  for (int k = 0; k < pca.terms; ++k) {
-    const auto next = NextTerm(f, shared, pca, remainder, column_scale);
+  for (int k = 0; k < terms; ++k) {
+    const auto next = NextTerm(f, space, remainder, column_scale);
     if (!next) break;
     TermMaps maps;
     DecodedTerm term;
     QuantizeSurface(f, shared, next->surface, next->extent, next->split.surface, maps, term);
     FitView(f, decoded, maps, term);
-    Deflate(term, column_scale, pca, remainder);
+    Deflate(term, column_scale, space, remainder);
     decoded.push_back(std::move(term));
     result.terms.push_back(std::move(maps));
   }
+  RefitViews(f, result.terms, decoded);
   result.squared_error = SquaredError(energies.plain, decoded);
   return result;
 }

@@ -35,10 +35,11 @@ struct FactorizationOptions {
 
 /// Factorises one vertex light field and quantises it in closed loop (Chen 2002, Appendix): the
 /// surface map of term p + 1 is the leading left singular vector of what the *quantised* first p
-/// terms left over, inside the captured subspace of ComputePca; made continuous over the ring's
-/// edges, split by SplitAlpha and quantised; then its view map is the exact least squares fit of
-/// that remainder to the quantised surface map, and is quantised too. `shared` lists the shared
-/// samples of the ring (patches in the order of the blocks).
+/// terms left over, inside the subspace that ComputePca captured and that was made continuous over
+/// the ring's edges; it is split by SplitAlpha and quantised; then its view map is the exact least
+/// squares fit of that remainder to the quantised surface map, and is quantised too. At the end
+/// all view maps are fitted once more, together. `shared` lists the shared samples of the ring
+/// (patches in the order of the blocks).
 ///
 /// A column (direction) counts with guessed_weight + (1 - guessed_weight) * (share of the ring's
 /// samples whose triangle has it inside the hull of its photographs). Terms end when the largest

@@ -182,22 +182,39 @@ TEST(SharedSamples, UnmeasuredPatchesTakeAndDoNotGive) {
 
 TEST(SharedSamples, RunningTwiceChangesNothingMore) {
   const TriangleMesh mesh = MakeSphere(1);
-  Patches patches = RandomPatches(mesh, {5, 9}, 1);
+  Patches patches = RandomPatches(mesh, {5, 9, 7, 17}, 1);
   const SharedSamples shared = FindSharedSamples(mesh.triangles, patches.edge_samples);
   MakeContinuous(shared, 1, patches.Views());
-  // Nodes of the finer side lie on straight pieces by now, except where they are nodes of both.
-  Patches once = patches;
-  std::vector<std::vector<uint8_t>> codes;
-  std::vector<uint8_t*> pointers;
-  for (const auto& values : patches.values) {
-    auto& c = codes.emplace_back();
-    for (const float value : values) c.push_back(static_cast<uint8_t>(std::lround(255 * value)));
-    pointers.push_back(c.data());
+  const auto once = patches.values;
+  MakeContinuous(shared, 1, patches.Views());
+  for (size_t t = 0; t < once.size(); ++t) {
+    for (size_t s = 0; s < once[t].size(); ++s) ASSERT_NEAR(patches.values[t][s], once[t][s], 1e-6);
   }
-  MakeCodesContinuous(shared, 1, pointers);
-  const auto first = codes;
-  MakeCodesContinuous(shared, 1, pointers);
-  EXPECT_EQ(codes, first);
+}
+
+// The finer patch alone decides where its neighbour is unmeasured: its nodes are the fit that no
+// change of a node improves.
+TEST(SharedSamples, NodesAreALeastSquaresFit) {
+  const std::vector<Eigen::Vector3i> triangles = {{0, 1, 2}, {2, 1, 3}};
+  const int n = 13, coarse = 5;
+  std::vector<float> fine(PatchSampleCount(n)), other(PatchSampleCount(coarse));
+  for (size_t k = 0; k < fine.size(); ++k) fine[k] = static_cast<float>((k * 37) % 11);
+  const std::vector<float> before = fine;
+  const std::vector<PatchValues> patches = {{fine.data(), true}, {other.data(), false}};
+  MakeContinuous(FindSharedSamples(triangles, std::vector<int>{n, coarse}), 1, patches);
+  const auto error = [&](int node, double change) {
+    double sum = 0;
+    for (int step = 0; step < n; ++step) {
+      const int sample = EdgeSampleIndex(n, 1, step);
+      const double hat = std::max(0.0, 1 - std::abs(step / 3.0 - node));
+      sum += std::pow(fine[sample] + change * hat - before[sample], 2);
+    }
+    return sum;
+  };
+  for (int node = 1; node < 4; ++node) {
+    EXPECT_LT(error(node, 0), error(node, 0.01));
+    EXPECT_LT(error(node, 0), error(node, -0.01));
+  }
 }
 
 TEST(SharedSamples, CodesDifferByHalfACodeAtMost) {

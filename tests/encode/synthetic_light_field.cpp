@@ -129,9 +129,9 @@ SyntheticLightField MakeLightField(const TriangleMesh& mesh, int grid, int views
 }
 
 Eigen::Vector3d GlossyAppearance(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye) {
-  const Eigen::Vector3d albedo(0.4 + 0.2 * std::sin(0.3 * p.x()) * std::cos(0.2 * p.y()),
-                               0.35 + 0.15 * std::sin(0.25 * p.z() + 1),
-                               0.3 + 0.1 * std::cos(0.35 * p.y()));
+  const Eigen::Vector3d albedo(0.4 + 0.2 * std::sin(0.08 * p.x()) * std::cos(0.06 * p.y()),
+                               0.35 + 0.15 * std::sin(0.07 * p.z() + 1),
+                               0.3 + 0.1 * std::cos(0.09 * p.y()));
   const Eigen::Vector3d normal = p.normalized();
   const Eigen::Vector3d half = (to_eye + Eigen::Vector3d(0.3, 0.2, 0.93)).normalized();
   const double gloss = std::pow(std::max(0.0, normal.dot(half)), 20);
