@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/cleaning.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/mesh/test_shapes.h"
+
+namespace lfm {
+namespace {
+
+using test::ErrorOf;
+
+const Eigen::Vector3d kCenter(0, 0, 30);
+
+PointCloud SphereCloud(int count = 30000) {
+  return test::MeasureCloud(test::MakeSphere(30, 5, kCenter), count);
+}
+
+TEST(Cleaning, KeepsTheObjectAndDropsTheRest) {
+  PointCloud cloud = SphereCloud();
+  const size_t object = cloud.points.size();
+  test::AddPlatform(cloud, 20000, 100, 35, 0.1, 2);
+  const size_t with_platform = cloud.points.size();
+  test::AddOutliers(cloud, 300, 100, 100, 3);
+  const CleanCloud clean = CleanPoints(cloud, {});
+  EXPECT_EQ(clean.platform + clean.outside + clean.sparse + clean.detached +
+                static_cast<int64_t>(clean.cloud.points.size()),
+            static_cast<int64_t>(cloud.points.size()));
+  EXPECT_NEAR(static_cast<double>(clean.platform), static_cast<double>(with_platform - object), 20);
+  EXPECT_GT(clean.cloud.points.size(), 0.995 * object);
+  int far = 0;
+  for (const auto& p : clean.cloud.points) far += std::abs((p - kCenter).norm() - 30) > 2;
+  EXPECT_LE(far, 3);
+}
+
+TEST(Cleaning, DropsASmallPieceKeepsALargeOne) {
+  PointCloud cloud = SphereCloud();
+  const Eigen::Vector3d crumb_center(60, 0, 20), ball_center(0, 70, 20);
+  const auto crumb = test::MeasureCloud(test::MakeSphere(3, 4, crumb_center), 300);
+  const auto ball = test::MeasureCloud(test::MakeSphere(12, 4, ball_center), 4800);
+  test::Append(cloud, crumb);
+  test::Append(cloud, ball);
+  const CleanCloud clean = CleanPoints(cloud, {});
+  const auto near = [&](const Eigen::Vector3d& center, double radius) {
+    return std::count_if(
+        clean.cloud.points.begin(), clean.cloud.points.end(),
+        [&](const Eigen::Vector3d& p) { return (p - center).norm() < radius + 1; });
+  };
+  EXPECT_EQ(near(crumb_center, 3), 0);
+  EXPECT_GT(near(ball_center, 12), 3500);
+  EXPECT_GE(clean.detached, 200);
+}
+
+TEST(Cleaning, SpacingOfAKnownCloud) {
+  const CleanCloud clean = CleanPoints(SphereCloud(40000), {});
+  // 40000 points on 4 pi 30^2 mm^2 (what is hidden has the same density).
+  const double expected = std::sqrt(4 * M_PI * 900 / 40000);
+  EXPECT_NEAR(clean.spacing_mm, expected, 0.15 * expected);
+}
+
+TEST(Cleaning, DropsWhatIsBeyondTheCameras) {
+  PointCloud cloud = SphereCloud();
+  const auto wall = test::MeasureCloud(test::MakeSphere(20, 4, {90, 0, 40}), 10000);
+  test::Append(cloud, wall);
+  CleaningLimits limits;
+  limits.max_distance_mm = 70;
+  const CleanCloud clean = CleanPoints(cloud, limits);
+  for (const auto& p : clean.cloud.points) EXPECT_LE(p.norm(), 70);
+}
+
+TEST(Cleaning, OneWildPointDoesNoHarm) {
+  PointCloud cloud = SphereCloud();
+  const CleanCloud before = CleanPoints(cloud, {});
+  cloud.points.emplace_back(1e12, -1e12, 1e12);
+  cloud.normals.emplace_back(0, 0, 1);
+  cloud.confidence.push_back(1);
+  const CleanCloud after = CleanPoints(cloud, {});
+  EXPECT_EQ(after.outside, before.outside + 1);
+  EXPECT_EQ(after.cloud.points.size(), before.cloud.points.size());
+}
+
+TEST(Cleaning, NormalsBecomeUnitAndMissingConfidenceOne) {
+  PointCloud cloud = SphereCloud(5000);
+  cloud.confidence.clear();
+  for (auto& n : cloud.normals) n *= 7;
+  const CleanCloud clean = CleanPoints(cloud, {});
+  for (const auto& n : clean.cloud.normals) EXPECT_NEAR(n.norm(), 1, 1e-12);
+  for (const float c : clean.cloud.confidence) EXPECT_EQ(c, 1);
+}
+
+TEST(Cleaning, ErrorsSayWhatToCheck) {
+  const auto message = [](const PointCloud& cloud) {
+    return ErrorOf([&] { CleanPoints(cloud, {}); });
+  };
+  EXPECT_NE(message({}).find("empty"), std::string::npos);
+
+  PointCloud platform;
+  test::AddPlatform(platform, 1000, 100, 0, 0.05, 1);
+  EXPECT_NE(message(platform).find("platform"), std::string::npos);
+
+  EXPECT_NE(message(SphereCloud(80)).find("too few"), std::string::npos);
+
+  PointCloud bad = SphereCloud(1000);
+  bad.points[17].y() = std::nan("");
+  EXPECT_NE(message(bad).find("point 17 is not finite"), std::string::npos);
+  bad = SphereCloud(1000);
+  bad.confidence[3] = std::numeric_limits<float>::infinity();
+  EXPECT_NE(message(bad).find("not finite"), std::string::npos);
+  bad = SphereCloud(1000);
+  bad.normals.pop_back();
+  EXPECT_NE(message(bad).find("normal"), std::string::npos);
+
+  const PointCloud flat = test::MeasureCloud(test::MakeSquare(80, 30, 4), 5000);
+  EXPECT_NE(message(flat).find("plane"), std::string::npos);
+  PointCloud line;
+  for (int i = 0; i < 500; ++i) {
+    line.points.emplace_back(0.1 * i, 0, 10);
+    line.normals.emplace_back(0, 0, 1);
+  }
+  EXPECT_NE(message(line).find("line"), std::string::npos);
+  PointCloud same;
+  same.points.assign(500, {1, 2, 30});
+  same.normals.assign(500, {0, 0, 1});
+  EXPECT_NE(message(same), "");
+}
+
+TEST(Consolidate, LowersNoiseWithoutBias) {
+  const PointCloud cloud = CleanPoints(SphereCloud(120000), {}).cloud;
+  const PointCloud averaged = ConsolidatePoints(cloud, 1.0);
+  EXPECT_LT(averaged.points.size(), cloud.points.size() / 4);
+  const auto errors = [&](const PointCloud& c) {
+    double sum = 0, squares = 0;
+    for (const auto& p : c.points) {
+      const double e = (p - kCenter).norm() - 30;
+      sum += e;
+      squares += e * e;
+    }
+    const double n = static_cast<double>(c.points.size());
+    return std::pair(sum / n, std::sqrt(squares / n));
+  };
+  EXPECT_NEAR(errors(cloud).second, 0.04, 0.003);
+  EXPECT_LT(errors(averaged).second, 0.02);
+  // The mean of a cap 1 mm wide lies 1^2 / 24 R = 0.0014 mm inside, twice that for its diagonal.
+  EXPECT_NEAR(errors(averaged).first, 0, 0.004);
+}
+
+TEST(Consolidate, DropsPointsOffTheSurface) {
+  PointCloud cloud = SphereCloud(60000);
+  for (size_t i = 0; i < cloud.points.size(); i += 400) {
+    cloud.points[i] += (i % 800 ? 1.0 : -1.0) * cloud.normals[i];
+  }
+  const PointCloud clean = ConsolidatePoints(CleanPoints(cloud, {}).cloud, 0.3);
+  int off = 0;
+  for (const auto& p : clean.points) off += std::abs((p - kCenter).norm() - 30) > 0.5;
+  EXPECT_LE(off, 5);  // of 137
+  EXPECT_GT(clean.points.size(), 20000u);
+}
+
+TEST(Consolidate, KeepsFrontAndBackApart) {
+  PointCloud sheet;
+  for (int i = 0; i < 400; ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      sheet.points.emplace_back(i % 20, i / 20, 10 + 0.05 * side);
+      sheet.normals.emplace_back(0, 0, side);
+      sheet.confidence.push_back(1);
+    }
+  }
+  for (const auto& p : ConsolidatePoints(sheet, 5).points) EXPECT_GT(std::abs(p.z() - 10), 0.04);
+}
+
+TEST(Consolidate, NoPoints) { EXPECT_TRUE(ConsolidatePoints({}, 1).points.empty()); }
+
+}  // namespace
+}  // namespace lfm

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "calib/calib_files.h"
+#include "core/atomic_file.h"
+#include "core/capture.h"
+#include "core/ply.h"
+#include "mesh/mesh_files.h"
+#include "tests/mesh/test_shapes.h"
+#include "tests/support/run_command.h"
+#include "tests/support/scratch_folder.h"
+
+namespace lfm {
+namespace {
+
+// A capture whose photographs and scans have been through the stages before.
+struct Workspace {
+  ScratchFolder scratch;
+  std::filesystem::path capture = scratch.folder / "capture", work = scratch.folder / "work";
+
+  Workspace() {
+    const CalibResult calib = test::MakeCalib(12, 300, 30);
+    Capture manifest;
+    manifest.folder = capture;
+    manifest.name = "ball";
+    manifest.board = "board.json";
+    manifest.cameras["camera"] = {960, 720, std::nullopt};
+    for (const PosedImage& image : calib.photos) {
+      Photo photo;
+      photo.id = image.id;
+      photo.file = image.file;
+      photo.camera = image.camera;
+      manifest.photos.push_back(photo);
+    }
+    SaveCapture(manifest);
+    SaveCalib(calib, work / "calib");
+    PointCloud cloud = test::MeasureCloud(test::MakeSphere(30, 4, {0, 0, 30}), 20000);
+    test::AddPlatform(cloud, 3000, 90, 32, 0.1, 2);
+    WritePly(cloud, work / "scan" / "points.ply");
+  }
+
+  CommandOutcome Run(std::vector<std::string> options = {}) const {
+    std::vector<std::string> line = {std::string(LFM_BIN_DIR) + "/lfm-mesh", capture.string(),
+                                     work.string()};
+    line.insert(line.end(), options.begin(), options.end());
+    return RunCommand(line);
+  }
+};
+
+TEST(MeshCommand, MakesTheFilesAndSaysWhatItDid) {
+  const Workspace workspace;
+  const CommandOutcome outcome = workspace.Run({"--poisson-depth", "6", "--triangle-count", "600"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const MeshResult result = LoadMesh(workspace.work / "mesh");
+  EXPECT_TRUE(test::IsClosedManifold(result.surface));
+  EXPECT_NEAR(static_cast<double>(result.mesh.triangles.size()), 600, 15);
+}
+
+TEST(MeshCommand, CaptureThatBringsItsMesh) {
+  const Workspace workspace;
+  const CalibResult calib = test::MakeCalib(12, 300, 30);
+  Capture manifest = LoadCapture(workspace.capture);
+  manifest.board.clear();
+  manifest.mesh = "given.ply";
+  manifest.cameras["camera"].intrinsics = calib.cameras.at("camera");
+  for (size_t i = 0; i < manifest.photos.size(); ++i) {
+    manifest.photos[i].camera_from_world = calib.photos[i].camera_from_world;
+  }
+  SaveCapture(manifest);
+  WritePly(test::MakeSphere(30, 3, {0, 0, 30}), workspace.capture / "given.ply");
+  const CommandOutcome outcome = workspace.Run();
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(LoadMesh(workspace.work / "mesh").mesh.triangles.size(), 1280u);
+}
+
+TEST(MeshCommand, BadInputIsOneLineAndStatusTwo) {
+  const Workspace workspace;
+  const auto points = workspace.work / "scan" / "points.ply";
+  const auto expect = [&](const std::string& part, std::vector<std::string> options = {}) {
+    const CommandOutcome outcome = workspace.Run(std::move(options));
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_TRUE(IsOneLineWith(outcome.err, {"lfm-mesh", part})) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(workspace.work / "mesh" / "mesh.ply"));
+  };
+  expect("triangle-count", {"--triangle-count", "-3"});
+  std::filesystem::resize_file(points, std::filesystem::file_size(points) / 2);
+  expect("points.ply");
+  WritePly(PointCloud{}, points);
+  expect("empty");
+  WriteFileAtomically(points, "not a ply");
+  expect("points.ply");
+  std::filesystem::remove(points);
+  expect("points.ply");
+  std::filesystem::remove(workspace.capture / "capture.json");
+  expect("capture.json");
+}
+
+TEST(MeshCommand, Help) {
+  const CommandOutcome outcome = RunCommand({std::string(LFM_BIN_DIR) + "/lfm-mesh", "--help"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_NE(outcome.out.find("--samples-per-triangle"), std::string::npos);
+  EXPECT_NE(outcome.out.find("lfm-mesh demo/capture demo/work"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lfm

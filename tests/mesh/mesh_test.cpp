@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/parallel.h"
+#include "mesh/surface_distance.h"
+#include "tests/mesh/test_shapes.h"
+
+namespace lfm {
+namespace {
+
+using test::ErrorOf;
+
+const Eigen::Vector3d kCenter(0, 0, 30);
+
+PointCloud Capture(int count = 60000) {
+  PointCloud cloud = test::MeasureCloud(test::MakeSphere(30, 5, kCenter), count);
+  test::AddPlatform(cloud, 8000, 90, 32, 0.1, 2);
+  test::AddOutliers(cloud, 100, 90, 90, 3);
+  return cloud;
+}
+
+MeshOptions Coarse() {
+  MeshOptions options;
+  options.poisson_depth = 6;
+  return options;
+}
+
+MeshResult Build(const MeshOptions& options, const PointCloud& cloud = Capture()) {
+  return BuildMesh(cloud, test::MakeCalib(24, 300, 30), options, SilentProgress());
+}
+
+TEST(BuildMesh, CoarsestMeshWithinHalfAPixel) {
+  const MeshResult result = Build(Coarse());
+  for (const TriangleMesh* mesh : {&result.surface, &result.mesh}) {
+    EXPECT_TRUE(test::IsClosedManifold(*mesh));
+    EXPECT_EQ(ExamineTopology(*mesh).components, 1);
+    EXPECT_EQ(mesh->confidence.size(), mesh->vertices.size());
+    EXPECT_EQ(mesh->normals.size(), mesh->vertices.size());
+    double worst_above = 0;
+    bool some_measured = false, some_closed = false;
+    for (size_t v = 0; v < mesh->vertices.size(); ++v) {
+      some_measured |= mesh->confidence[v] > 0.3;
+      some_closed |= mesh->confidence[v] == 0;
+      if (mesh->vertices[v].z() < 6) continue;
+      worst_above = std::max(worst_above, std::abs((mesh->vertices[v] - kCenter).norm() - 30));
+      EXPECT_GT(mesh->confidence[v], 0);
+    }
+    EXPECT_LT(worst_above, 0.4);
+    EXPECT_TRUE(some_measured);
+    EXPECT_TRUE(some_closed);
+  }
+  // From 300 mm, the sphere's near half lies 270 to 300 mm away.
+  EXPECT_NEAR(result.pixel_mm, 280.0 / 1700, 8.0 / 1700);
+  EXPECT_LE(result.deviation_p95_mm, 0.5 * result.pixel_mm);
+  EXPECT_GT(result.deviation_p95_mm, 0.4 * result.pixel_mm);
+  EXPECT_LT(result.mesh.triangles.size(), result.surface.triangles.size() / 3);
+  EXPECT_GT(test::SmallestAngles(result.mesh).front(), 5);
+}
+
+TEST(BuildMesh, OtherTargets) {
+  MeshOptions options = Coarse();
+  options.triangle_count = 700;
+  EXPECT_NEAR(static_cast<double>(Build(options).mesh.triangles.size()), 700, 20);
+
+  options = Coarse();
+  options.samples_per_triangle = 314;
+  const MeshResult result = Build(options);
+  const double mean_samples = test::TotalArea(result.mesh) /
+                              static_cast<double>(result.mesh.triangles.size()) /
+                              (result.pixel_mm * result.pixel_mm);
+  EXPECT_NEAR(mean_samples, 314, 0.05 * 314);
+}
+
+TEST(BuildMesh, SameBytesForEveryNumberOfThreads) {
+  const PointCloud cloud = Capture(20000);
+  SetThreadCount(1);
+  const MeshResult one = Build(Coarse(), cloud);
+  SetThreadCount(3);
+  const MeshResult three = Build(Coarse(), cloud);
+  SetThreadCount(0);
+  EXPECT_TRUE(one.surface.vertices == three.surface.vertices);
+  EXPECT_TRUE(one.surface.triangles == three.surface.triangles);
+  EXPECT_TRUE(one.surface.confidence == three.surface.confidence);
+  EXPECT_TRUE(one.mesh.vertices == three.mesh.vertices);
+  EXPECT_TRUE(one.mesh.triangles == three.mesh.triangles);
+  EXPECT_TRUE(one.mesh.confidence == three.mesh.confidence);
+  EXPECT_EQ(one.pixel_mm, three.pixel_mm);
+  EXPECT_EQ(one.deviation_mean_mm, three.deviation_mean_mm);
+}
+
+TEST(BuildMesh, BadInput) {
+  EXPECT_NE(ErrorOf([] { Build({}, {}); }).find("empty"), std::string::npos);
+  PointCloud platform;
+  test::AddPlatform(platform, 5000, 90, 0, 0.1, 1);
+  EXPECT_NE(ErrorOf([&] { Build({}, platform); }).find("platform"), std::string::npos);
+  MeshOptions options;
+  options.poisson_depth = 99;
+  EXPECT_NE(ErrorOf([&] { Build(options); }).find("poisson-depth"), std::string::npos);
+  EXPECT_NE(ErrorOf([&] { BuildMesh(Capture(5000), {}, Coarse(), SilentProgress()); }), "");
+}
+
+CalibResult GivenCalib() { return test::MakeCalib(24, 300, 30); }
+
+TEST(GivenMesh, CoarseOneStaysAsItIs) {
+  const TriangleMesh given = test::MakeSphere(30, 3, kCenter);  // 8.8 mm^2 a triangle
+  const MeshResult result = PrepareGivenMesh(given, GivenCalib(), {}, SilentProgress());
+  EXPECT_TRUE(result.mesh.vertices == given.vertices);
+  EXPECT_TRUE(result.mesh.triangles == given.triangles);
+  EXPECT_TRUE(result.surface.vertices == given.vertices);
+  EXPECT_EQ(result.deviation_p95_mm, 0);
+  EXPECT_NEAR(result.pixel_mm, 280.0 / 1700, 8.0 / 1700);
+  EXPECT_EQ(result.mesh.normals.size(), given.vertices.size());
+  for (const float c : result.mesh.confidence) EXPECT_EQ(c, 1);
+}
+
+TEST(GivenMesh, FineOneIsDecimated) {
+  const TriangleMesh given = test::MakeSphere(30, 5, kCenter);  // 0.55 mm^2, 20 pixels a triangle
+  const MeshResult result = PrepareGivenMesh(given, GivenCalib(), {}, SilentProgress());
+  EXPECT_LT(result.mesh.triangles.size(), given.triangles.size() / 2);
+  EXPECT_EQ(result.surface.triangles.size(), given.triangles.size());
+  EXPECT_LE(result.deviation_p95_mm, 0.5 * result.pixel_mm);
+  MeshOptions options;
+  options.triangle_count = 500;
+  EXPECT_NEAR(
+      static_cast<double>(
+          PrepareGivenMesh(given, GivenCalib(), options, SilentProgress()).mesh.triangles.size()),
+      500, 10);
+  options = {};
+  options.samples_per_triangle = 10;
+  EXPECT_EQ(PrepareGivenMesh(given, GivenCalib(), options, SilentProgress()).mesh.triangles.size(),
+            given.triangles.size());
+}
+
+TEST(GivenMesh, OpenIsAllowedInsideOutIsTurned) {
+  TriangleMesh open = test::MakeSphere(30, 3, kCenter);
+  open.triangles.resize(open.triangles.size() - 40);
+  EXPECT_EQ(PrepareGivenMesh(open, GivenCalib(), {}, SilentProgress()).mesh.triangles.size(),
+            open.triangles.size());
+  TriangleMesh inside_out = test::MakeSphere(30, 3, kCenter);
+  for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
+  EXPECT_GT(SignedVolume(PrepareGivenMesh(inside_out, GivenCalib(), {}, SilentProgress()).surface),
+            0);
+}
+
+TEST(GivenMesh, NonManifoldIsAnError) {
+  const auto message = [](const TriangleMesh& mesh) {
+    return ErrorOf([&] { PrepareGivenMesh(mesh, GivenCalib(), {}, SilentProgress()); });
+  };
+  TriangleMesh fin = test::MakeSphere(30, 2, kCenter);
+  fin.vertices.emplace_back(0, 0, 100);
+  fin.triangles.emplace_back(fin.triangles[0][0], fin.triangles[0][1],
+                             static_cast<int>(fin.vertices.size()) - 1);
+  EXPECT_NE(message(fin), "");
+  TriangleMesh twisted = test::MakeSphere(30, 2, kCenter);
+  std::swap(twisted.triangles[4][0], twisted.triangles[4][1]);
+  EXPECT_NE(message(twisted).find("opposite"), std::string::npos);
+  EXPECT_NE(message({}), "");
+  TriangleMesh out_of_range = test::MakeSphere(30, 2, kCenter);
+  out_of_range.triangles[3][1] = 1 << 20;
+  EXPECT_NE(message(out_of_range), "");
+  TriangleMesh infinite = test::MakeSphere(30, 2, kCenter);
+  infinite.vertices[3].z() = INFINITY;
+  EXPECT_NE(message(infinite), "");
+}
+
+}  // namespace
+}  // namespace lfm
