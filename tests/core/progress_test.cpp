@@ -40,7 +40,7 @@ TEST(ProcessMemory, GrowsWithUse) {
   EXPECT_GT(before, 1);
   std::vector<char> block(size_t{64} << 20);
   for (size_t i = 0; i < block.size(); i += 4096) block[i] = 1;
-  EXPECT_GT(PeakMemoryMib(), std::max(before, 64.0));
+  EXPECT_GE(PeakMemoryMib(), std::max(before, 64.0));
   EXPECT_EQ(block[4096], 1);
 }
 
