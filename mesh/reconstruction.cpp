@@ -52,6 +52,21 @@ PointCloud WeighAndJoin(const PointCloud& measured, const PointCloud& continuati
   return joined;
 }
 
+// PCL's extraction now and then loses edges where octree cells of different size meet, and the
+// holes it leaves cannot always be closed. Another cube puts the cells elsewhere.
+TriangleMesh ReconstructClosed(const PointCloud& points, PoissonSettings settings) {
+  constexpr int kAttempts = 6;
+  constexpr double kScaleStep = 1.017;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return RepairToClosedManifold(ReconstructPoisson(points, settings));
+    } catch (const Error&) {
+      if (attempt == kAttempts) throw;
+      settings.cube_scale *= kScaleStep;
+    }
+  }
+}
+
 std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud& measured,
                                      double reach_mm) {
   constexpr int kNeighbors = 6;
@@ -91,9 +106,8 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
   if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
   progress.Advance();
   const PointCloud continuation = ContinueBelowPlatform(measured, cell_mm);
-  TriangleMesh surface = ReconstructPoisson(WeighAndJoin(measured, continuation), settings);
+  TriangleMesh surface = ReconstructClosed(WeighAndJoin(measured, continuation), settings);
   progress.Advance();
-  surface = RepairToClosedManifold(surface);
   surface = CutAtPlatform(surface, cell_mm);
   surface = RemoveShortEdges(RepairToClosedManifold(surface), kShortestEdgeInCells * cell_mm);
   surface = FlipTowardsDelaunay(surface);
