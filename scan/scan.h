@@ -55,7 +55,7 @@ struct ScanOptions {
               "edge.",
               "mm", 0.001, 1000},
              max_ray_gap_mm);
-    v.Number({"max-grazing-deg", "Drop points seen at more than this angle from their normal.",
+    v.Number({"max-scan-angle-deg", "Drop points seen at more than this angle from their normal.",
               "deg", 0, 90},
              max_grazing_deg);
   }
