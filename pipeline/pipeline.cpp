@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/ply.h"
-#include "encode/glb.h"
+#include "encode/encode_files.h"
 #include "mesh/mesh_files.h"
 #include "pipeline/evaluation.h"
 #include "pipeline/report.h"
@@ -185,13 +185,15 @@ StageJob EncodeJob(const Run& run) {
           [&run](const fs::path& folder) -> json {
             const EncodeResult result = Encode(LightField::Open(run.workspace.LightFieldFile()),
                                                run.options.encode, run.progress);
-            const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
+            const int64_t model_bytes = SaveEncode(result, folder);
             return {{"terms_mean", result.terms_mean},
                     {"terms_max", result.terms_max},
                     {"model_bytes", model_bytes},
                     {"maps_bytes", result.maps_bytes},
                     {"compression_ratio", result.compression_ratio},
                     {"matrix_psnr_db", result.matrix_psnr_db},
+                    {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
+                    {"unseen_triangles", result.unseen_triangles},
                     {"singular_value_share", result.singular_value_share}};
           }};
 }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/json_reader.h"
+#include "tests/support/run_command.h"
+#include "tests/support/scratch_folder.h"
+
+namespace lfm {
+
+/// A copy of the small capture that lies in sample_data/tiny, to be damaged at will.
+class TinyCapture {
+ public:
+  TinyCapture() {
+    std::filesystem::copy(std::filesystem::path(LFM_SOURCE_DIR) / "sample_data" / "tiny", capture(),
+                          std::filesystem::copy_options::recursive);
+  }
+
+  std::filesystem::path capture() const { return scratch_.folder / "capture"; }
+  std::filesystem::path work() const { return scratch_.folder / "work"; }
+
+  nlohmann::json Manifest() const { return ReadJson(capture() / "capture.json"); }
+  void SetManifest(const nlohmann::json& manifest) const {
+    WriteJson(manifest, capture() / "capture.json");
+  }
+
+  /// Path of a command of this build.
+  static std::string Command(const std::string& name) {
+    return std::string(LFM_BIN_DIR) + "/" + name;
+  }
+
+  /// Runs lfm-pipeline with options that suit so small a capture.
+  CommandOutcome RunPipeline(const std::vector<std::string>& more = {},
+                             const CommandSettings& settings = {}) const {
+    std::vector<std::string> arguments = {
+        Command("lfm-pipeline"), "run", capture().string(), "--out", work(), "--effort", "fast"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunCommand(arguments, settings);
+  }
+
+ private:
+  ScratchFolder scratch_;
+};
+
+}  // namespace lfm

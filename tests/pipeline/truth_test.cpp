@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/truth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+
+namespace lfm {
+namespace {
+
+// A latitude-longitude sphere of radius r around (0, 0, 60).
+TriangleMesh Sphere(double radius) {
+  constexpr int kRows = 48, kColumns = 96;
+  TriangleMesh mesh;
+  for (int i = 0; i <= kRows; ++i) {
+    for (int j = 0; j < kColumns; ++j) {
+      const double theta = std::numbers::pi * i / kRows, phi = 2 * std::numbers::pi * j / kColumns;
+      mesh.vertices.emplace_back(radius * std::sin(theta) * std::cos(phi),
+                                 radius * std::sin(theta) * std::sin(phi),
+                                 60 + radius * std::cos(theta));
+    }
+  }
+  for (int i = 0; i < kRows; ++i) {
+    for (int j = 0; j < kColumns; ++j) {
+      const int a = i * kColumns + j, b = i * kColumns + (j + 1) % kColumns;
+      if (i > 0) mesh.triangles.emplace_back(a, a + kColumns, b);
+      if (i + 1 < kRows) mesh.triangles.emplace_back(b, a + kColumns, b + kColumns);
+    }
+  }
+  return mesh;
+}
+
+GroundTruth SphereTruth() {
+  GroundTruth truth;
+  truth.mesh = Sphere(40);
+  truth.plate_half_mm = {110, 110};
+  Photo photo;
+  photo.id = "p";
+  photo.camera_from_world = LookAt({300, 0, 200}, {0, 0, 60}, {0, 0, 1});
+  truth.capture.photos = {photo};
+  return truth;
+}
+
+TEST(MeasurePoses, MeasuresCentresAndAngles) {
+  const GroundTruth truth = SphereTruth();
+  CalibResult calib;
+  PosedImage photo;
+  photo.id = "p";
+  const Pose moved{Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()).toRotationMatrix(),
+                   Eigen::Vector3d::Zero()};
+  photo.camera_from_world = moved * *truth.capture.photos[0].camera_from_world;
+  calib.photos = {photo};
+  const PoseErrors turned = MeasurePoses(calib, truth);
+  EXPECT_NEAR(turned.median_deg, 0.01 * 180 / std::numbers::pi, 1e-9);
+  EXPECT_NEAR(turned.median_mm, 0, 1e-9);  // turning a camera about itself moves nothing
+  calib.photos[0].camera_from_world = *truth.capture.photos[0].camera_from_world;
+  calib.photos[0].camera_from_world.translation += Eigen::Vector3d(0.3, 0, 0.4);
+  EXPECT_NEAR(MeasurePoses(calib, truth).median_mm, 0.5, 1e-9);
+}
+
+TEST(MeasurePoses, RefusesPhotographsThatTheTruthDoesNotKnow) {
+  CalibResult calib;
+  calib.photos.resize(1);
+  calib.photos[0].id = "unknown";
+  EXPECT_THROW(MeasurePoses(calib, SphereTruth()), Error);
+}
+
+TEST(GeometryJudge, MeasuresAConcentricSphere) {
+  const GeometryJudge judge(SphereTruth());
+  const SurfaceErrors errors = judge.MeasureSurface(Sphere(40.25));
+  constexpr double kFacets_abs = 0.03;
+  EXPECT_NEAR(errors.mean_mm, 0.25, kFacets_abs);
+  EXPECT_NEAR(errors.p95_mm, 0.25, 2 * kFacets_abs);
+  EXPECT_NEAR(judge.MeasureSurface(Sphere(40)).mean_mm, 0, kFacets_abs);
+}
+
+TEST(GeometryJudge, CountsTheMissingHalfAsIncomplete) {
+  const GeometryJudge judge(SphereTruth());
+  PointCloud upper;
+  for (const Eigen::Vector3d& p : Sphere(40.05).vertices) {
+    if (p.z() > 60) upper.points.push_back(p);
+  }
+  const PointErrors errors = judge.MeasurePoints(upper);
+  EXPECT_NEAR(errors.median_mm, 0.05, 0.03);
+  EXPECT_LT(errors.completeness, 0.5);
+  EXPECT_GT(errors.completeness, 0.02);
+  EXPECT_EQ(errors.over_1_mm_share, 0);
+}
+
+TEST(GeometryJudge, PlatformPointsAreTrueToo) {
+  const GeometryJudge judge(SphereTruth());
+  PointCloud plate;
+  plate.points = {{90, 90, 0.02}, {-90, 90, -0.02}, {90, -90, 0.02}};
+  EXPECT_NEAR(judge.MeasurePoints(plate).median_mm, 0.02, 1e-9);
+  PointCloud beside;
+  beside.points = {{150, 0, 0}};
+  EXPECT_GT(judge.MeasurePoints(beside).median_mm, 100);
+}
+
+TEST(GeometryJudge, SeesOnlyWhatCameraAndProjectorBothSee) {
+  GroundTruth truth = SphereTruth();
+  Camera eye{640, 480, 800, 800, 319.5, 239.5};
+  Scanner scanner;
+  scanner.camera = "scanner";
+  scanner.projector = eye;
+  scanner.projector_from_camera = Pose{};  // projector and camera in one place
+  ScanSet scan;
+  scan.camera_from_world = LookAt({300, 0, 60}, {0, 0, 60}, {0, 0, 1});
+  scanner.scans = {scan};
+  truth.capture.scanner = scanner;
+  truth.capture.cameras["scanner"] = {640, 480, eye};
+  const GeometryJudge judge(truth);
+  PointCloud everything;
+  everything.points = truth.mesh.vertices;
+  const PointErrors errors = judge.MeasurePoints(everything);
+  // A viewer at distance d sees the cap (1 - r / d) / 2 of a sphere.
+  constexpr double kSampling_abs = 0.01;
+  EXPECT_NEAR(errors.seen_share, (1 - 40.0 / 300) / 2, kSampling_abs);
+}
+
+}  // namespace
+}  // namespace lfm
