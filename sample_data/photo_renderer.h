@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "core/image.h"
+#include "core/pose.h"
+#include "sample_data/coat_shading.h"
+#include "sample_data/pixel_rays.h"
+#include "sample_data/studio_scene.h"
+
+namespace lfm {
+
+/// A photograph before the sensor.
+struct RenderedPhoto {
+  Image radiance;  ///< linear float RGB, scene units
+  Image mask;      ///< 8 bit, one channel: 255 where the pixel centre's ray meets the object first
+};
+
+/// Renders one photograph: box-filtered pixels of 4 samples, 16 where a pixel holds more than one
+/// surface, a print edge or a depth edge; the coat shaded a pixel at two opposite samples
+/// elsewhere. No random numbers: the same picture for every number of threads.
+RenderedPhoto RenderPhoto(const StudioScene& scene, const CoatShading& shading,
+                          const SetReflectance& reflectance, const PixelRays& rays,
+                          const Pose& camera_from_world);
+
+}  // namespace lfm

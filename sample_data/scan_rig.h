@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/pose.h"
+
+namespace lfm {
+
+/// The structured-light rig: a camera and a projector fixed to each other.
+struct ScanRig {
+  Camera camera, projector;
+  Pose projector_from_camera;
+};
+
+/// The rig stands about 430 mm from its target; camera and projector are 22 degrees apart, seen
+/// from there. The camera has 0.36 mm a pixel there (at 640 columns); the projector's picture is
+/// about 250 mm wide.
+ScanRig MakeScanRig(int camera_width, int camera_height, int projector_width, int projector_height);
+
+inline constexpr double kLowRigElevationDeg = 15, kHighRigElevationDeg = 48;
+inline constexpr double kTurnDeg = 20;
+
+/// Poses (camera_from_world) of `count` scans: the platform turns by kTurnDeg between scans, and
+/// the rig stands low for every even scan and high for every odd one, so that each height sees the
+/// object from all round.
+std::vector<Pose> MakeScanPoses(int count);
+
+/// One placement of the empty platform before the fixed rig.
+struct PlatformPlacement {
+  Pose camera_from_world;
+  Pose world_from_table;  ///< the table's frame (z = 0 its surface) in the platform's
+  double tilt_deg = 0;
+};
+
+/// `count` placements tilted by 15 to 40 degrees, each in another direction, and raised so that
+/// the plate clears the table.
+std::vector<PlatformPlacement> MakePlacements(int count);
+
+}  // namespace lfm

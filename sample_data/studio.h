@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "core/capture.h"
+#include "core/image.h"
+#include "core/progress.h"
+#include "sample_data/studio_options.h"
+#include "sample_data/subject.h"
+
+namespace lfm {
+
+/// Takes each finished picture; `file` is relative to the capture folder. Called from many threads.
+using PictureSink = std::function<void(const std::string& file, const Image& picture)>;
+
+/// A capture and the truth about it.
+struct StudioResult {
+  Capture capture;    ///< the manifest; folder is empty
+  Capture truth;      ///< the same with intrinsics, poses, masks and the mesh; files relative to
+                      ///< the capture's folder `ground_truth`
+  TriangleMesh mesh;  ///< the object as rendered, world frame, coloured by its diffuse albedo
+};
+
+/// Builds the object, bakes its light, takes the photographs and the scans, and hands every picture
+/// to `sink`: photographs (8-bit sRGB with sensor noise), scan and placement frames (8-bit gray),
+/// and, under ground_truth/, a mask of every photograph and noise-free test photographs.
+/// Throws Error when --mesh cannot be read or options do not agree.
+StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
+                          Progress& progress);
+
+/// Makes a whole capture folder. Every file is written under a temporary name and renamed;
+/// capture.json of an earlier run is removed first and written last, so that a folder with a
+/// manifest is complete.
+void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
+                 Progress& progress);
+
+}  // namespace lfm

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/options.h"
+
+namespace lfm {
+
+/// What the studio makes. The same options give the same capture, byte for byte.
+struct StudioOptions {
+  int scene = 0;  ///< index of {"bust"}; `mesh` replaces it
+  std::string mesh;
+  double mesh_height_mm = 120;
+  int seed = 1;
+  bool tiny = false;
+  int photos = 120, test_photos = 16;
+  int photo_width = 960, photo_height = 720;
+  int scans = 18, placements = 5;
+  int scan_width = 640, scan_height = 480;
+  int projector_width = 1024, projector_height = 768;
+  double edge_mm = 0.55;
+  int jpeg_quality = 0;
+
+  void Declare(OptionVisitor& v) {
+    v.Choice({"scene", "The object that stands on the platform."}, {"bust"}, scene);
+    v.Text({"mesh", "A PLY mesh to stand on the platform instead of the scene's object."}, mesh);
+    v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
+    v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
+    v.Flag({"tiny",
+            "A small, quick capture: sizes and counts that are not given take their tiny values."},
+           tiny);
+    v.Integer({"photos", "Number of photographs.", "", 1, 10000}, photos);
+    v.Integer({"test-photos", "How many of them are held out.", "", 0, 10000}, test_photos);
+    v.Integer({"photo-width", "Width of a photograph.", "px", 16, 16384}, photo_width);
+    v.Integer({"photo-height", "Height of a photograph.", "px", 16, 16384}, photo_height);
+    v.Integer({"scans", "Number of scans.", "", 0, 1000}, scans);
+    v.Integer({"placements", "Number of placements of the empty platform.", "", 0, 1000},
+              placements);
+    v.Integer({"scan-width", "Width of a scan picture.", "px", 16, 16384}, scan_width);
+    v.Integer({"scan-height", "Height of a scan picture.", "px", 16, 16384}, scan_height);
+    v.Integer({"projector-width", "Width of the projector's picture.", "px", 16, 8192},
+              projector_width);
+    v.Integer({"projector-height", "Height of the projector's picture.", "px", 16, 8192},
+              projector_height);
+    v.Number(
+        {"edge", "Length of the object's edges; light is baked at its vertices.", "mm", 0.1, 10},
+        edge_mm);
+    v.Integer({"jpeg-quality", "Write JPEG pictures of this quality instead of PNG; 0 means PNG.",
+               "", 0, 100},
+              jpeg_quality);
+  }
+};
+
+/// With `tiny` set, every size and count still at its default takes the tiny value: 24 photographs
+/// of 400 x 300 (3 test), 5 scans and 4 placements of 240 x 180, a projector of 256 x 192. Without
+/// it, the options as they are.
+StudioOptions ResolveTiny(const StudioOptions& options);
+
+}  // namespace lfm

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sample_data/studio_scene.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/error.h"
+#include "sample_data/paint.h"
+
+namespace lfm {
+namespace {
+
+constexpr unsigned kObjectGeometry = 0, kPatchGeometry = 1;
+constexpr float kInkAlbedo = 0.035f, kEdgeAlbedo = 0.35f;
+constexpr float kTableAlbedo = 0.07f;
+
+void AttachTriangles(RTCDevice device, RTCScene scene, unsigned id,
+                     const std::vector<Eigen::Vector3d>& vertices,
+                     const std::vector<Eigen::Vector3i>& triangles) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices.size()));
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), triangles.size()));
+  if (points == nullptr || indices == nullptr) {
+    throw Error("no memory for the studio's ray scene", ErrorKind::kSystem);
+  }
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    for (int c = 0; c < 3; ++c) points[3 * i + c] = static_cast<float>(vertices[i][c]);
+  }
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    for (int c = 0; c < 3; ++c) indices[3 * i + c] = static_cast<unsigned>(triangles[i][c]);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+}  // namespace
+
+std::vector<Patch> MakePlateAndTable(const Board& board, const Pose& world_from_table) {
+  using V3 = Eigen::Vector3d;
+  const double w = board.width_mm, h = board.height_mm, t = kPlateThicknessMm;
+  std::vector<Patch> patches = {
+      {V3(-w / 2, -h / 2, 0), V3::UnitX(), V3::UnitY(), w, h, PatchMaterial::kPrint},
+      {V3(-w / 2, -h / 2, -t), V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
+      {V3(w / 2, h / 2, -t), -V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
+      {V3(w / 2, -h / 2, -t), V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
+      {V3(-w / 2, h / 2, -t), -V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
+  };
+  const double s = kTableSizeMm;
+  patches.push_back({world_from_table * V3(-s / 2, -s / 2, 0),
+                     world_from_table.rotation * V3::UnitX(),
+                     world_from_table.rotation * V3::UnitY(), s, s, PatchMaterial::kTable});
+  return patches;
+}
+
+RayPacket::RayPacket() {
+  std::memset(&rays, 0, sizeof(rays));
+  std::memset(valid, 0, sizeof(valid));
+}
+
+void RayPacket::Set(int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                    float t_near, float t_far) {
+  RTCRay16& ray = rays.ray;
+  ray.org_x[lane] = origin.x();
+  ray.org_y[lane] = origin.y();
+  ray.org_z[lane] = origin.z();
+  ray.dir_x[lane] = direction.x();
+  ray.dir_y[lane] = direction.y();
+  ray.dir_z[lane] = direction.z();
+  ray.tnear[lane] = t_near;
+  ray.tfar[lane] = t_far;
+  ray.time[lane] = 0;
+  ray.mask[lane] = ~0u;
+  ray.id[lane] = static_cast<unsigned>(lane);
+  ray.flags[lane] = 0;
+  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  rays.hit.primID[lane] = RTC_INVALID_GEOMETRY_ID;
+  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  valid[lane] = -1;
+}
+
+StudioScene::StudioScene(const TriangleMesh* object, std::vector<Patch> patches)
+    : patches_(std::move(patches)) {
+  device_ = rtcNewDevice(nullptr);
+  if (device_ == nullptr) throw Error("Embree could not be started", ErrorKind::kSystem);
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  if (object != nullptr) {
+    AttachTriangles(device_, scene_, kObjectGeometry, object->vertices, object->triangles);
+  }
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+  for (const Patch& patch : patches_) {
+    const int first = static_cast<int>(vertices.size());
+    vertices.push_back(patch.origin);
+    vertices.push_back(patch.origin + patch.width * patch.u);
+    vertices.push_back(patch.origin + patch.width * patch.u + patch.height * patch.v);
+    vertices.push_back(patch.origin + patch.height * patch.v);
+    triangles.emplace_back(first, first + 1, first + 2);
+    triangles.emplace_back(first, first + 2, first + 3);
+  }
+  if (!triangles.empty()) AttachTriangles(device_, scene_, kPatchGeometry, vertices, triangles);
+  rtcCommitScene(scene_);
+}
+
+StudioScene::~StudioScene() {
+  rtcReleaseScene(scene_);
+  rtcReleaseDevice(device_);
+}
+
+void StudioScene::Intersect(RayPacket& packet) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(packet.valid, scene_, &context, &packet.rays);
+}
+
+SurfaceHit StudioScene::Hit(const RayPacket& packet, int lane) {
+  SurfaceHit hit;
+  const RTCHit16& h = packet.rays.hit;
+  if (h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return hit;
+  hit.distance = packet.rays.ray.tfar[lane];
+  if (h.geomID[lane] == kObjectGeometry) {
+    hit.triangle = static_cast<int>(h.primID[lane]);
+    hit.u = h.u[lane];
+    hit.v = h.v[lane];
+  } else {
+    hit.patch = static_cast<int>(h.primID[lane] / 2);
+  }
+  return hit;
+}
+
+void StudioScene::Occlude(RayPacket& packet) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(packet.valid, scene_, &context, &packet.rays.ray);
+}
+
+bool StudioScene::Blocked(const RayPacket& packet, int lane) {
+  return packet.rays.ray.tfar[lane] < 0;
+}
+
+float SetReflectance::Albedo(PatchMaterial material, const Eigen::Vector3f& point) const {
+  switch (material) {
+    case PatchMaterial::kPrint: {
+      const double value = print_.Value({point.x(), point.y()});
+      return value < 0 ? kEdgeAlbedo
+                       : kInkAlbedo + static_cast<float>(value) * (kPaperAlbedo - kInkAlbedo);
+    }
+    case PatchMaterial::kEdge:
+      return kEdgeAlbedo;
+    case PatchMaterial::kTable:
+      break;
+  }
+  return kTableAlbedo *
+         (1 + 0.35f * static_cast<float>(GradientNoise(point.cast<double>() / 25, 5)));
+}
+
+}  // namespace lfm
