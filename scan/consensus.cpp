@@ -12,7 +12,8 @@
 namespace lfm {
 namespace {
 
-enum class Voice { kSilent, kFor, kAgainst };
+// Confidence of the other scan's pixel, negative when it speaks against the point; 0 is silence.
+using Voice = double;
 
 bool SeenThrough(const RangeMap& map, int x, int y, double depth, double clear_mm) {
   for (int dy = -1; dy <= 1; ++dy) {
@@ -29,20 +30,20 @@ Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen
           const ConsensusOptions& options) {
   const Eigen::Vector3d point = other.camera_from_world * point_in_world;
   const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
-  if (!pixel) return Voice::kSilent;
+  if (!pixel) return 0;
   const int x = static_cast<int>(std::lround(pixel->x()));
   const int y = static_cast<int>(std::lround(pixel->y()));
   const RangeMap& map = other.map;
-  if (x < 1 || y < 1 || x + 1 >= map.width || y + 1 >= map.height) return Voice::kSilent;
+  if (x < 1 || y < 1 || x + 1 >= map.width || y + 1 >= map.height) return 0;
   const size_t q = static_cast<size_t>(y) * map.width + x;
-  if (map.depth[q] <= 0) return Voice::kSilent;
+  if (map.depth[q] <= 0) return 0;
   const Eigen::Vector3d there = map.depth[q] * rays[q].homogeneous();
   const Eigen::Vector3d normal = map.normal[q].cast<double>();
   const double distance = normal.dot(point - there);
-  if (std::abs(distance) <= options.agree_mm) return Voice::kFor;
+  if (std::abs(distance) <= options.agree_mm) return map.confidence[q];
   const bool same_side = normal.dot(other.camera_from_world.rotation * normal_in_world) > 0.5;
-  if (same_side && std::abs(distance) <= options.contradict_mm) return Voice::kAgainst;
-  return SeenThrough(map, x, y, point.z(), options.clear_mm) ? Voice::kAgainst : Voice::kSilent;
+  if (same_side && std::abs(distance) <= options.contradict_mm) return -map.confidence[q];
+  return SeenThrough(map, x, y, point.z(), options.clear_mm) ? -map.confidence[q] : 0;
 }
 
 bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, const Camera& camera,
@@ -52,11 +53,10 @@ bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, c
   const Eigen::Vector3d point =
       world_from_camera * (own.map.depth[pixel] * rays[pixel].homogeneous());
   const Eigen::Vector3d normal = world_from_camera.rotation * own.map.normal[pixel].cast<double>();
-  int balance = 0;
+  double balance = own.map.confidence[pixel];
   for (size_t other = 0; other < scans.size(); ++other) {
     if (other == scan) continue;
-    const Voice voice = Ask(scans[other], camera, rays, point, normal, options);
-    balance += voice == Voice::kFor ? 1 : voice == Voice::kAgainst ? -1 : 0;
+    balance += Ask(scans[other], camera, rays, point, normal, options);
   }
   return balance < 0;
 }

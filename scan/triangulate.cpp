@@ -134,9 +134,6 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
                    double depth, const AffineFit& fit, double sigma_mm, double decoding,
                    const ScanOptions& options) {
   PixelVerdict verdict;
-  const double mm_per_inverse = depth * depth;
-  const double gap = std::abs(1 / depth - fit.center) * mm_per_inverse;
-  if (!(gap <= options.max_ray_gap_mm)) return verdict;
   // 1 / Z = slope . ray + (center - slope . centre's ray) is the plane m . X = 1.
   Eigen::Vector3d normal(-fit.slope.x(), -fit.slope.y(), fit.slope.dot(ray) - fit.center);
   if (!(normal.norm() > 0)) return verdict;
@@ -146,8 +143,12 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
   const double lit = normal.dot((projector_center - point).normalized());
   const double limit = std::cos(Radians(options.max_grazing_deg));
   if (!(seen >= limit) || !(lit >= limit)) return verdict;
+  // An error along the ray moves the surface by its part along the normal.
+  const double mm_per_inverse = depth * depth * seen;
+  const double gap = std::abs(1 / depth - fit.center) * mm_per_inverse;
+  if (!(gap <= options.max_ray_gap_mm)) return verdict;
   const double rough = fit.roughness * mm_per_inverse;
-  const double expected = std::hypot(sigma_mm, rough, gap) / kGoodSigmaMm;
+  const double expected = std::hypot(sigma_mm * seen, rough, gap) / kGoodSigmaMm;
   const double confidence = decoding * std::sqrt(std::min(seen, lit)) / (1 + expected * expected);
   if (!(confidence >= options.min_confidence)) return verdict;
   verdict.normal = normal.cast<float>();

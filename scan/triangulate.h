@@ -39,7 +39,8 @@ struct RangeMap {
 /// Inverse depth is affine over the picture of a plane. About each pixel a robust affine fit to the
 /// inverse depths of the connected pixels within two steps gives the normal and what the
 /// neighbours say about the pixel's own depth. Dropped are pixels
-/// - that differ from it by more than `max_ray_gap_mm` (depth edges, mixed pixels, wrong periods),
+/// - that differ from it by more than `max_ray_gap_mm` across the surface (depth edges, mixed
+///   pixels, wrong periods),
 /// - with fewer than six of eight connected neighbours (single pixels, threads, silhouettes),
 /// - seen or lit at more than `max_grazing_deg` from the normal,
 /// - below `min_confidence`: the product of decoding, expected error along the ray, roughness, and
