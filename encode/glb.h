@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "encode/model.h"
 
@@ -10,8 +12,11 @@ namespace lfm {
 /// Writes `model.glb` (glTF 2.0, extension LFM_surface_light_field, docs/formats.md), atomically.
 /// Returns its size in bytes.
 int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file);
-/// Reads it back. Throws Error on truncated, inconsistent or hostile content; never reads outside
-/// the file.
+/// Reads it back: maps, ranges and placements bit by bit, coordinates and frames as float32. Throws
+/// Error on truncated, inconsistent or hostile content (sizes of pictures are checked before they
+/// are decoded); never reads outside the file, and what it returns is safe to evaluate.
 LightFieldModel ReadGlb(const std::filesystem::path& file);
+/// The same from bytes in memory; `name` stands for the file in messages.
+LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name);
 
 }  // namespace lfm

@@ -20,6 +20,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int64_t kMaxTexels = int64_t{1} << 28;  // of all pages together: 0.8 GB
+constexpr float kMaxRange = 1e6f;                 // of a map's values; products stay finite
 constexpr size_t kPngHeaderBytes = 29;            // signature, IHDR length, name and content
 
 // The document with its file's name, for messages.
@@ -138,7 +139,11 @@ std::vector<MapRange> ReadRanges(const Document& doc, const json& extension, con
                                  int64_t count) {
   std::vector<MapRange> ranges;
   const auto values = Floats(doc, extension, key, GltfShape::kVec2, count);
-  for (size_t i = 0; i < values.size(); i += 2) ranges.push_back({values[i], values[i + 1]});
+  for (size_t i = 0; i < values.size(); i += 2) {
+    doc.Require(values[i] >= 0 && values[i] <= kMaxRange && std::abs(values[i + 1]) <= kMaxRange,
+                "the range of a map is negative or too large");
+    ranges.push_back({values[i], values[i + 1]});
+  }
   return ranges;
 }
 
@@ -310,8 +315,12 @@ void DecodePages(const Document& doc, const PendingPages& pending, LightFieldMod
 }  // namespace
 
 LightFieldModel ReadGlb(const std::filesystem::path& file) {
-  const GlbContainer container = ParseGlb(ReadFile(file), file.string());
-  const Document doc{container, file.string()};
+  return ReadGlbBytes(ReadFile(file), file.string());
+}
+
+LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
+  const GlbContainer container = ParseGlb(bytes, name);
+  const Document doc{container, name};
   doc.Require(container.json.is_object() && container.json.contains("extensions") &&
                   container.json["extensions"].is_object() &&
                   container.json["extensions"].contains(glb::kExtension),

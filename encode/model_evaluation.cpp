@@ -41,8 +41,11 @@ Tap SurfaceTap(const PatchPlacement& placement, int page_width, const Eigen::Vec
   const ptrdiff_t sign = placement.flipped ? -1 : 1;
   const ptrdiff_t texel =
       (placement.origin.y() + sign * j) * ptrdiff_t{page_width} + placement.origin.x() + sign * i;
-  return MakeTap(texel, sign, sign * page_width, static_cast<float>(x - i),
-                 static_cast<float>(y - j));
+  const auto fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
+  Tap tap = MakeTap(texel, sign, sign * page_width, fx, fy);
+  // What the gutter's b + c - a gives, also where no code could hold it.
+  if (i + j == placement.edge_samples - 2) tap.weight = {1 - fx - fy, fx, fy, 0};
+  return tap;
 }
 
 Tap ViewTap(const LightFieldModel& model, const LightFieldModel::TilePosition& tile, int page_width,

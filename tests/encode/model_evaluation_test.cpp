@@ -18,9 +18,10 @@ constexpr double kAgreement_abs = 2e-6;
 class ModelEvaluation : public ::testing::Test {
  protected:
   // Neighbours of sizes that divide each other, that share a divisor, and that share none.
-  static LightFieldModel MakeModel(const std::vector<int>& sizes) {
+  static LightFieldModel MakeModel(const std::vector<int>& sizes,
+                                   const Appearance& appearance = GlossyAppearance) {
     const SyntheticLightField field = MakeLightField(
-        MakeSphere(1), 16, 80, [&](int t) { return sizes[t % sizes.size()]; }, GlossyAppearance);
+        MakeSphere(1), 16, 80, [&](int t) { return sizes[t % sizes.size()]; }, appearance);
     return Encode(field.Source(), {.terms = 3}, SilentProgress()).model;
   }
   static Eigen::Vector3d RandomDirection(std::mt19937& random) {
@@ -113,6 +114,42 @@ TEST_F(ModelEvaluation, DifferentPatchesJumpByRoundingOnly) {
   const LightFieldModel any = MakeModel({13, 9, 5, 7, 4, 2});
   EXPECT_LE(LargestJump(any, 0), 1.001);
   EXPECT_LE(LargestJump(any, 3), 2.0);
+}
+
+// Completions beyond black and white cannot be stored, and need not be.
+TEST_F(ModelEvaluation, DoesNotJumpWhereBlackMeetsWhite) {
+  const LightFieldModel model =
+      MakeModel({9}, [](const Eigen::Vector3d& p, const Eigen::Vector3d&) -> Eigen::Vector3d {
+        return Eigen::Vector3d::Constant(std::sin(p.x()) * std::sin(1.3 * p.z()) > 0 ? 1 : 0);
+      });
+  EXPECT_LE(LargestJump(model, 0), 1e-3);
+}
+
+// What a GPU does: the four texels, gutters included.
+TEST_F(ModelEvaluation, PlainBilinearFilteringGivesTheSame) {
+  const LightFieldModel model = MakeModel({9, 5});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int triangle = static_cast<int>(random() % model.placements.size());
+    const PatchPlacement& place = model.placements[triangle];
+    const double along = uniform(random), depth = uniform(random) / (place.edge_samples - 1);
+    const Eigen::Vector3d weights(depth, (1 - depth) * along, (1 - depth) * (1 - along));
+    const double x = weights[1] * (place.edge_samples - 1);
+    const double y = weights[2] * (place.edge_samples - 1);
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    const Eigen::Vector3f color = EvaluateModel(model, triangle, weights, {0, 0, 1}, {0});
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int corner = 0; corner < 4; ++corner) {
+        const int di = corner % 2, dj = corner / 2;
+        const Eigen::Vector2i texel = TexelOfSample(place, i + di, j + dj);
+        sum += (di ? x - i : 1 - x + i) * (dj ? y - j : 1 - y + j) *
+               model.mean_pages[place.page].At<uint8_t>(texel.x(), texel.y(), c);
+      }
+      ASSERT_NEAR(255 * color[c], sum, 1e-3);
+    }
+  }
 }
 
 TEST_F(ModelEvaluation, ClampsColorsAndWeights) {

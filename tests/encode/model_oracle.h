@@ -22,7 +22,10 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
     double sum = 0;
     for (int dj = 0; dj < 2; ++dj) {
       for (int di = 0; di < 2; ++di) {
-        const double w = (di ? x - i : 1 - x + i) * (dj ? y - j : 1 - y + j);
+        double w = (di ? x - i : 1 - x + i) * (dj ? y - j : 1 - y + j);
+        if (i + j == last - 1) {  // on the hypotenuse: the plane through the three samples
+          w = di + dj == 0 ? 1 - (x - i) - (y - j) : di + dj == 2 ? 0 : di ? x - i : y - j;
+        }
         const int sign = place.flipped ? -1 : 1;
         const int column = place.origin.x() + sign * static_cast<int>(i + di);
         const int row = place.origin.y() + sign * static_cast<int>(j + dj);
