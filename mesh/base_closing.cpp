@@ -75,7 +75,7 @@ std::vector<WallPoint> FindLowestRing(const std::vector<WallPoint>& band, double
       if (voxel < 0) continue;
       for (int64_t k = grid.offsets[voxel]; k < grid.offsets[voxel + 1]; ++k) {
         const Eigen::Vector3d step = points[grid.points[k]] - p.point;
-        goes_on |= step.norm() < reach && step.dot(down) > 1.5 * spacing_mm &&
+        goes_on |= step.norm() < reach && step.dot(down) > 0.75 * spacing_mm &&
                    step.dot(down) > 0.6 * step.norm();
       }
     }

@@ -69,16 +69,20 @@ RobustBox MeasureBox(const std::vector<Eigen::Vector3d>& points) {
   return box;
 }
 
-void CheckShape(const PointCloud& cloud) {
+void CheckCount(const PointCloud& cloud) {
   const size_t n = cloud.points.size();
   if (n < kFewestPoints) {
     throw Error("point cloud: only " + std::to_string(n) +
                 " points lie on the object, too few for a surface; check the scans and "
                 "--platform-margin-mm");
   }
+}
+
+void CheckShape(const PointCloud& cloud) {
+  CheckCount(cloud);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : cloud.points) mean += p;
-  mean /= static_cast<double>(n);
+  mean /= static_cast<double>(cloud.points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& p : cloud.points) scatter += (p - mean) * (p - mean).transpose();
   const Eigen::Vector3d spread =
@@ -162,7 +166,7 @@ CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
     throw Error(message.str());
   }
   cloud = Select(cloud, keep);
-  CheckShape(cloud);
+  CheckCount(cloud);
 
   const RobustBox box = MeasureBox(cloud.points);
   keep.assign(cloud.points.size(), 1);

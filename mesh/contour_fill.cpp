@@ -72,6 +72,7 @@ std::optional<std::vector<Eigen::Vector3i>> Triangulate(
       }
     }
   }
+  if (triangulation.dimension() < 2) return std::vector<Eigen::Vector3i>{};
   MarkNesting(triangulation);
   std::vector<Eigen::Vector3i> triangles;
   for (const auto face : triangulation.finite_face_handles()) {

@@ -15,6 +15,7 @@ namespace lfm {
 namespace {
 
 constexpr double kSmallestVolume = 0.02;
+constexpr size_t kLargestHole = 32;  // edges
 
 class DisjointSets {
  public:
@@ -71,6 +72,75 @@ std::vector<Eigen::Vector3i> CancelDuplicates(const std::vector<Eigen::Vector3i>
   std::vector<Eigen::Vector3i> result;
   for (const int t : kept) result.push_back(triangles[t]);
   return result;
+}
+
+// The edges that lack a triangle, in the direction in which it would run through them: for each
+// vertex where they lead.
+std::map<int, std::vector<int>> FindOpenEdges(const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<std::array<int, 3>> edges;  // low, high, direction
+  edges.reserve(3 * triangles.size());
+  for (const Eigen::Vector3i& t : triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::map<int, std::vector<int>> open;
+  for (size_t i = 0; i < edges.size();) {
+    size_t end = i;
+    int surplus = 0;
+    while (end < edges.size() && edges[end][0] == edges[i][0] && edges[end][1] == edges[i][1]) {
+      surplus += edges[end++][2];
+    }
+    for (; surplus > 0; --surplus) open[edges[i][1]].push_back(edges[i][0]);
+    for (; surplus < 0; ++surplus) open[edges[i][0]].push_back(edges[i][1]);
+    i = end;
+  }
+  return open;
+}
+
+// Triangles are cycles of edges, so what they leave open at a vertex leads away as often as towards
+// it: the open edges make closed walks, which are cut into simple cycles here.
+std::vector<std::vector<int>> TraceHoles(std::map<int, std::vector<int>> open) {
+  std::vector<std::vector<int>> holes;
+  while (!open.empty()) {
+    std::vector<int> walk = {open.begin()->first};
+    while (true) {
+      const auto from = open.find(walk.back());
+      const int to = from->second.back();
+      from->second.pop_back();
+      if (from->second.empty()) open.erase(from);
+      const auto before = std::find(walk.begin(), walk.end(), to);
+      if (before == walk.end()) {
+        walk.push_back(to);
+        continue;
+      }
+      holes.emplace_back(before, walk.end());
+      walk.erase(before + 1, walk.end());
+      if (walk.size() == 1) break;
+    }
+  }
+  return holes;
+}
+
+void FillHoles(TriangleMesh& mesh) {
+  for (const std::vector<int>& hole : TraceHoles(FindOpenEdges(mesh.triangles))) {
+    if (hole.size() > kLargestHole) {
+      throw Error("reconstruction: the surface has a hole that could not be closed");
+    }
+    if (hole.size() == 3) {
+      mesh.triangles.emplace_back(hole[0], hole[1], hole[2]);
+      continue;
+    }
+    const int middle = static_cast<int>(mesh.vertices.size());
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (size_t k = 0; k < hole.size(); ++k) {
+      sum += mesh.vertices[hole[k]];
+      mesh.triangles.emplace_back(hole[k], hole[(k + 1) % hole.size()], middle);
+    }
+    mesh.vertices.push_back(sum / static_cast<double>(hole.size()));
+  }
 }
 
 struct HalfEdge {
@@ -204,6 +274,8 @@ TriangleMesh RepairToClosedManifold(const TriangleMesh& mesh) {
   TriangleMesh cleaned;
   cleaned.vertices = mesh.vertices;
   cleaned.triangles = CancelDuplicates(mesh.triangles);
+  FillHoles(cleaned);
+  cleaned.triangles = CancelDuplicates(cleaned.triangles);
   if (SignedVolume(cleaned) < 0) {
     for (Eigen::Vector3i& t : cleaned.triangles) std::swap(t[1], t[2]);
   }

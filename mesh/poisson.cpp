@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/poisson.h"
 
+#include <fcntl.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/surface/poisson.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <exception>
 #include <string>
 #include <vector>
@@ -12,6 +15,35 @@
 #include "core/error.h"
 
 namespace lfm {
+namespace {
+
+// PCL prints a line on standard output for a cell that it could not close; the repair afterwards
+// deals with those, and nobody who runs a command should read about them.
+class SilentStandardOutput {
+ public:
+  SilentStandardOutput() {
+    std::fflush(stdout);
+    saved_ = dup(STDOUT_FILENO);
+    if (saved_ < 0) return;
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0) return;
+    dup2(nowhere, STDOUT_FILENO);
+    close(nowhere);
+  }
+  ~SilentStandardOutput() {
+    if (saved_ < 0) return;
+    std::fflush(stdout);
+    dup2(saved_, STDOUT_FILENO);
+    close(saved_);
+  }
+  SilentStandardOutput(const SilentStandardOutput&) = delete;
+  SilentStandardOutput& operator=(const SilentStandardOutput&) = delete;
+
+ private:
+  int saved_ = -1;
+};
+
+}  // namespace
 
 TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings) {
   if (points.points.empty()) throw Error("reconstruction: there are no points");
@@ -43,6 +75,7 @@ TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings&
   pcl::PointCloud<pcl::PointNormal> vertices;
   std::vector<pcl::Vertices> polygons;
   try {
+    const SilentStandardOutput silence;
     poisson.performReconstruction(vertices, polygons);
   } catch (const std::exception& e) {
     throw Error(std::string("reconstruction: Poisson failed: ") + e.what(), ErrorKind::kSystem);

@@ -91,9 +91,26 @@ TEST(ManifoldRepair, TurnsInsideOut) {
   EXPECT_GT(SignedVolume(RepairToClosedManifold(mesh)), 0);
 }
 
-TEST(ManifoldRepair, HolesAndFlatSheetsAreErrors) {
-  TriangleMesh open = test::MakeSphere(10, 2);
-  open.triangles.pop_back();
+TEST(ManifoldRepair, SmallHolesAreFilled) {
+  const TriangleMesh sphere = test::MakeSphere(10, 3);
+  TriangleMesh holed = sphere;
+  // Single triangles, a pair, a whole ring, and two holes that touch in a vertex.
+  const VertexRings rings = ComputeVertexRings(sphere);
+  std::vector<char> keep(sphere.triangles.size(), 1);
+  keep[7] = keep[100] = keep[101] = 0;
+  for (int k = rings.offsets[300]; k < rings.offsets[301]; ++k) keep[rings.triangles[k]] = 0;
+  keep[rings.triangles[rings.offsets[500]]] = keep[rings.triangles[rings.offsets[500] + 3]] = 0;
+  holed = SelectTriangles(sphere, keep);
+  ASSERT_GT(ExamineTopology(holed).boundary_edges, 15);
+  const TriangleMesh repaired = RepairToClosedManifold(holed);
+  EXPECT_TRUE(test::IsClosedManifold(repaired));
+  EXPECT_NEAR(SignedVolume(repaired), SignedVolume(sphere), 0.003 * SignedVolume(sphere));
+}
+
+TEST(ManifoldRepair, LargeHolesAndFlatSheetsAreErrors) {
+  TriangleMesh open = test::MakeSphere(10, 4);
+  std::erase_if(open.triangles,
+                [&](const Eigen::Vector3i& t) { return open.vertices[t[0]].z() > 4; });
   EXPECT_NE(test::ErrorOf([&] { RepairToClosedManifold(open); }).find("hole"), std::string::npos);
   EXPECT_NE(test::ErrorOf([] { RepairToClosedManifold({}); }), "");
   TriangleMesh sheet = test::MakeSquare(10, 0, 2);

@@ -32,7 +32,9 @@ void ExpectSoundSurface(const TriangleMesh& mesh) {
     lowest = std::min(lowest, mesh.vertices[v].z());
     EXPECT_NEAR(mesh.normals[v].norm(), 1, 1e-9);
     EXPECT_TRUE(mesh.confidence[v] >= 0 && mesh.confidence[v] <= 1);
-    if (mesh.vertices[v].z() == 0) EXPECT_EQ(mesh.confidence[v], 0);
+    if (mesh.vertices[v].z() == 0) {
+      EXPECT_EQ(mesh.confidence[v], 0);
+    }
   }
   EXPECT_EQ(lowest, 0);
 }

@@ -28,8 +28,11 @@ TEST(SurfaceFit, FixedVerticesStay) {
   const TriangleMesh fitted = FitToSurface(coarse, samples, fixed);
   for (size_t v = 0; v < fixed.size(); ++v) {
     const double moved = (fitted.vertices[v] - coarse.vertices[v]).norm();
-    if (fixed[v]) EXPECT_EQ(moved, 0);
-    if (!fixed[v]) EXPECT_GT(moved, 0.2);
+    if (fixed[v]) {
+      EXPECT_EQ(moved, 0);
+    } else {
+      EXPECT_GT(moved, 0.2);
+    }
   }
 }
 
