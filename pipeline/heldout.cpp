@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/heldout.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace lfm {
@@ -47,12 +49,22 @@ nlohmann::json DifferenceToJson(const ImageDifference& d) {
 
 }  // namespace
 
-Rendering RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
-                            const PosedImage& photo, int terms) {
+Image RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
+                        const PosedImage& photo, int terms) {
   RenderOptions options;
   options.evaluation.terms = terms;
-  return renderer.Render(calib.cameras.at(photo.camera), photo.camera_from_world, options,
-                         SilentProgress());
+  options.samples_per_side = 2;
+  const Image layer = renderer
+                          .Render(calib.cameras.at(photo.camera), photo.camera_from_world, options,
+                                  SilentProgress())
+                          .layer;
+  Image color(layer.width(), layer.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  const uint8_t* rgba = layer.Data<uint8_t>();
+  uint8_t* rgb = color.Data<uint8_t>();
+  for (size_t pixel = 0; pixel < color.size() / 3; ++pixel) {
+    std::copy_n(rgba + 4 * pixel, 3, rgb + 3 * pixel);
+  }
+  return color;
 }
 
 HeldoutScores ScoreModel(const ReferenceRenderer& renderer, const CalibResult& calib,
@@ -63,10 +75,10 @@ HeldoutScores ScoreModel(const ReferenceRenderer& renderer, const CalibResult& c
   for (const PosedImage* photo : photos) {
     const Image reference = pictures.reference(*photo);
     const Image mask = pictures.foreground(*photo);
-    const Rendering full = RenderPhotoCamera(renderer, calib, *photo, kAllTerms);
-    const Rendering mean_only = RenderPhotoCamera(renderer, calib, *photo, 0);
-    scores.photos.push_back({photo->id, CompareImages(full.color, reference, mask),
-                             CompareImages(mean_only.color, reference, mask)});
+    const Image full = RenderPhotoCamera(renderer, calib, *photo, kAllTerms);
+    const Image mean_only = RenderPhotoCamera(renderer, calib, *photo, 0);
+    scores.photos.push_back({photo->id, CompareImages(full, reference, mask),
+                             CompareImages(mean_only, reference, mask)});
     progress.Advance();
   }
   Summarize(scores);

@@ -37,7 +37,7 @@ struct HeldoutPictures {
 };
 
 /// Renders every test photograph's camera, lens distortion included, with all terms and with the
-/// mean view alone, and compares foreground pixels. Pixels that the model does not cover are black.
+/// mean view alone, and compares foreground pixels.
 /// Throws Error when the calibration has no test photograph.
 HeldoutScores ScoreModel(const ReferenceRenderer& renderer, const CalibResult& calib,
                          const HeldoutPictures& pictures, Progress& progress);
@@ -47,9 +47,11 @@ HeldoutScores ScoreModel(const ReferenceRenderer& renderer, const CalibResult& c
 HeldoutScores ScorePictures(const PictureOf& rendering, const CalibResult& calib,
                             const HeldoutPictures& pictures, Progress& progress);
 
-/// What ScoreModel renders for one camera: what the report shows beside the photograph.
-Rendering RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
-                            const PosedImage& photo, int terms);
+/// What ScoreModel renders for one camera, 8-bit RGB: four rays a pixel; a pixel that the model
+/// covers in part shows that part's colour, not mixed with any background; one that it does not
+/// cover at all is black.
+Image RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
+                        const PosedImage& photo, int terms);
 
 /// {"heldout_psnr_db": ..., "photos": [...]}.
 nlohmann::json ScoresToJson(const HeldoutScores& scores);

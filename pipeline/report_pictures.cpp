@@ -148,8 +148,8 @@ void DrawHeldout(const Capture& capture, const CalibResult& calib, const Triangl
     const Image picture = ToSrgb8(load(photo.file));
     const Image mask =
         RenderSilhouette(surface, calib.cameras.at(photo.camera), photo.camera_from_world);
-    const Image full = RenderPhotoCamera(renderer, calib, photo, kAllTerms).color;
-    const Image mean_only = RenderPhotoCamera(renderer, calib, photo, 0).color;
+    const Image full = RenderPhotoCamera(renderer, calib, photo, kAllTerms);
+    const Image mean_only = RenderPhotoCamera(renderer, calib, photo, 0);
     const Image difference = DifferencePicture(picture, full, mask, kGain);
     std::vector<Image> row;
     for (const Image* image : {&picture, &full, &mean_only, &difference}) {

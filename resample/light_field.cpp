@@ -28,14 +28,14 @@ Eigen::Vector3d PatchSampleWeights(int n, int i, int j) {
 }
 
 int ChooseEdgeSamples(double pixels, int max_edge_samples) {
-  int chosen = 3;
-  const auto next = [](int n) {
-    return n + (n < 17 ? 1 : n < 33 ? 2 : n < 65 ? 4 : n < 129 ? 8 : 16);
-  };
-  while (PatchSampleCount(chosen) < pixels && next(chosen) <= std::min(max_edge_samples, 257)) {
-    chosen = next(chosen);
+  constexpr int kSmallest = 4, kLargest = 193;
+  constexpr double kFewestSamplesAPixel = 2.0 / 3.0;
+  int n = kSmallest;
+  while (PatchSampleCount(n) < kFewestSamplesAPixel * pixels &&
+         2 * n - 1 <= std::min(max_edge_samples, kLargest)) {
+    n = 2 * n - 1;
   }
-  return chosen;
+  return n;
 }
 
 LightField::LightField(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -24,11 +24,12 @@ int PatchSampleCount(int n);
 int PatchSampleIndex(int n, int i, int j);
 Eigen::Vector3d PatchSampleWeights(int n, int i, int j);
 
-/// The smallest patch whose sample count is at least `pixels`, from the predefined sizes: every n
-/// from 3 to 17, then steps of 2 to 33, 4 to 65, 8 to 129, 16 to 257 (a few sizes only, so that
-/// patches of one size fill texture pages together; Chen 2002, section 5.3). At most
-/// `max_edge_samples` (3 to 257; the largest predefined size not above it). 3 when `pixels` is not
-/// a positive number.
+/// The smallest patch of the predefined sizes n = 4, 7, 13, 25, 49, 97, 193 with at least two
+/// samples for every three pixels. A size has twice the segments of the one before: patches of
+/// different size then share every node of the coarser one along an edge, and no detail is lost
+/// there (sizes without a common divisor could only share the edge's ends). 25 samples an edge are
+/// the paper's 314 a triangle. At most `max_edge_samples`; 4 when `pixels` is not a positive
+/// number.
 int ChooseEdgeSamples(double pixels, int max_edge_samples);
 
 /// The visible views of one triangle, normalised to one shape: the block P of DESIGN 4.

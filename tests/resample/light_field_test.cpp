@@ -126,19 +126,20 @@ TEST(PatchSamples, EnumerateTheTriangularGridOnce) {
   }
 }
 
-TEST(ChooseEdgeSamples, HoldsThePixelsButNotManyMore) {
-  for (double pixels = 1; pixels < 2100; pixels *= 1.1) {
+TEST(ChooseEdgeSamples, KeepsNearThePixelsInNestedSizes) {
+  for (double pixels = 10; pixels < 12000; pixels *= 1.1) {
     const int n = ChooseEdgeSamples(pixels, 257);
-    EXPECT_GE(PatchSampleCount(n), pixels);
-    EXPECT_LE(PatchSampleCount(n), std::max(6.0, 1.8 * pixels));
+    EXPECT_GE(PatchSampleCount(n), pixels * 2 / 3);
+    EXPECT_LE(PatchSampleCount(n), 2.8 * pixels);
+    int segments = n - 1;
+    while (segments % 2 == 0) segments /= 2;
+    EXPECT_EQ(segments, 3);
   }
-  EXPECT_EQ(ChooseEdgeSamples(91, 65), 13);
-  EXPECT_EQ(ChooseEdgeSamples(92, 65), 14);
-  EXPECT_EQ(ChooseEdgeSamples(1e30, 65), 65);
-  EXPECT_EQ(ChooseEdgeSamples(1e30, 64), 61);
-  EXPECT_EQ(ChooseEdgeSamples(1e30, 1000), 257);
-  EXPECT_EQ(ChooseEdgeSamples(0, 65), 3);
-  EXPECT_EQ(ChooseEdgeSamples(std::nan(""), 65), 3);
+  EXPECT_EQ(ChooseEdgeSamples(314, 65), 25);
+  EXPECT_EQ(ChooseEdgeSamples(1e30, 65), 49);
+  EXPECT_EQ(ChooseEdgeSamples(1e30, 1000), 193);
+  EXPECT_EQ(ChooseEdgeSamples(0, 65), 4);
+  EXPECT_EQ(ChooseEdgeSamples(std::nan(""), 65), 4);
 }
 
 TEST(WeightCodec, KeepsWeightsToOne65535thAndTheirSum) {
