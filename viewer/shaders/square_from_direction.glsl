@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a unit direction in a vertex frame lies on the square [0, 1]^2 of a view map
 // (resample/direction_map.h). Below the horizon: moved onto it, same azimuth; straight down: centre.
 vec2 SquareFromDirection(vec3 d, bool orthographic_map) {
