@@ -123,7 +123,9 @@ std::vector<CameraStation> MakeCameraPath(const Camera& camera, const TriangleMe
     }
   }
   for (int k = 0; k < options.test_photos; ++k) {
-    const int index = static_cast<int>((k + 0.5) * options.photos / options.test_photos);
+    // Stations ascend with their index: a twentieth at either end stays out of it.
+    const double share = 0.05 + 0.9 * (k + 0.5) / options.test_photos;
+    const int index = static_cast<int>(share * options.photos);
     stations[index].split = PhotoSplit::kTest;
   }
   return stations;

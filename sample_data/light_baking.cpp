@@ -17,6 +17,8 @@ using V3f = Eigen::Vector3f;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kOffsetMm = 0.02f;
 
+double Fraction(double x) { return x - std::floor(x); }
+
 struct Frame {
   V3f t, b, n;
   V3f World(const V3f& local) const { return local.x() * t + local.y() * b + local.z() * n; }
@@ -28,8 +30,7 @@ Frame MakeFrame(const V3f& n) {
   return {t, n.cross(t), n};
 }
 
-// What each surface sends out diffusely; unknown until the lamps are baked, so the first gather
-// (surroundings only) runs with `lit` false.
+// What each surface sends out diffusely, once lamps and surroundings are baked.
 struct Radiosity {
   const Subject* subject = nullptr;
   const std::vector<V3f>* object = nullptr;  // radiance a vertex
@@ -45,8 +46,10 @@ struct Radiosity {
     }
     const Patch& patch = scene->patches()[hit.patch];
     const Eigen::Vector3d d = point.cast<double>() - patch.origin;
-    return reflectance->Albedo(patch.material, point) / kPi *
-           (*patches)[hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v));
+    const float albedo = patch.material == PatchMaterial::kTable
+                             ? kTableAlbedo
+                             : reflectance->Albedo(patch.material, point);
+    return albedo / kPi * (*patches)[hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v));
   }
 };
 
@@ -75,8 +78,8 @@ Gathered GatherSurroundings(const StudioScene& scene, const Lighting& lighting,
     for (int lane = 0; lane < count; ++lane) {
       // A rank-1 lattice on the golden ratio.
       const int i = first + lane;
-      const double u1 = std::fmod((i + shift1) / rays, 1.0);
-      const double u2 = std::fmod(i * 0.6180339887498949 + shift2, 1.0);
+      const double u1 = Fraction((i + shift1) / rays);
+      const double u2 = Fraction(i * 0.6180339887498949 + shift2);
       const float radius = static_cast<float>(std::sqrt(u1));
       const float angle = static_cast<float>(2 * std::numbers::pi * u2);
       cosines[lane] = std::max(0.02f, std::sqrt(std::max(0.0f, 1 - radius * radius)));
@@ -84,7 +87,7 @@ Gathered GatherSurroundings(const StudioScene& scene, const Lighting& lighting,
           frame.World({radius * std::cos(angle), radius * std::sin(angle), cosines[lane]});
       packet.Set(lane, origin, directions[lane], 0, 1e6f);
     }
-    scene.Intersect(packet);
+    scene.Intersect(packet, RayOrder::kScattered);
     for (int lane = 0; lane < count; ++lane) {
       const SurfaceHit hit = StudioScene::Hit(packet, lane);
       const V3f& d = directions[lane];
@@ -95,7 +98,7 @@ Gathered GatherSurroundings(const StudioScene& scene, const Lighting& lighting,
         radiance = radiosity->Radiance(hit, origin + hit.distance * d);
       }
       sum.irradiance += kPi / static_cast<float>(rays) * radiance;
-      if (with_harmonics == GatherHarmonics::kNo) continue;
+      if (with_harmonics == GatherHarmonics::kNo || radiance.isZero()) continue;
       const float weight = kPi / (cosines[lane] * static_cast<float>(rays));
       const V3f mirrored = d - 2 * d.dot(normal) * normal;
       const auto above = EvaluateHarmonics(d), below = EvaluateHarmonics(mirrored);

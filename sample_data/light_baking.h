@@ -38,7 +38,7 @@ struct BakedLight {
 
 struct BakeOptions {
   int rays_per_cell = 9;        ///< shadow rays a lamp cell, where the lamp is partly hidden
-  int gather_rays = 256;        ///< rays a vertex for surroundings and interreflection
+  int gather_rays = 128;        ///< rays a vertex for surroundings and interreflection
   double plate_spacing_mm = 1;  ///< grid of the plate; the table's is 8 times as wide
   uint64_t seed = 1;
 };

@@ -46,7 +46,7 @@ class PhotoTracer {
         const float* offset = kCoarsePattern[lane % kCoarseSamples];
         Aim(packet, lane, x0 + lane / kCoarseSamples, y, offset[0], offset[1]);
       }
-      scene_.Intersect(packet);
+      scene_.Intersect(packet, RayOrder::kCoherent);
       for (int i = 0; i < count; ++i) {
         Sample samples[kCoarseSamples];
         for (int s = 0; s < kCoarseSamples; ++s) {
@@ -132,7 +132,7 @@ class PhotoTracer {
     for (int s = 0; s < kFineSamples; ++s) {
       Aim(packet, s, x, y, kFinePattern[s][0], kFinePattern[s][1]);
     }
-    scene_.Intersect(packet);
+    scene_.Intersect(packet, RayOrder::kCoherent);
     V3f sum = V3f::Zero();
     for (int s = 0; s < kFineSamples; ++s) sum += Shade(Resolve(packet, s));
     return sum / kFineSamples;
@@ -141,7 +141,7 @@ class PhotoTracer {
   bool CenterIsObject(int x, int y) const {
     RayPacket packet;
     Aim(packet, 0, x, y, 0, 0);
-    scene_.Intersect(packet);
+    scene_.Intersect(packet, RayOrder::kCoherent);
     return StudioScene::Hit(packet, 0).triangle >= 0;
   }
 

@@ -17,6 +17,10 @@ using V3f = Eigen::Vector3f;
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kFar = 1e5f;
 constexpr float kOffsetMm = 0.02f;
+// Sixteen points of a pixel, seen across the stripes: the spans of neighbours overlap by half.
+constexpr double kSpansAcrossPixel = 8;
+
+double Fraction(double x) { return x - std::floor(x); }
 
 struct SurfacePoint {
   bool valid = false;
@@ -50,7 +54,7 @@ class ScanTracer {
       packet.Set(s, eye_, world_from_camera_ * rays_.Direction(x, y, offset[0], offset[1]), 0,
                  kFar);
     }
-    subject_.scene->Intersect(packet);
+    subject_.scene->Intersect(packet, RayOrder::kCoherent);
     SurfacePoint first[kFineSamples];
     bool any = false, gathers = false;
     for (int s = 0; s < kFineSamples; ++s) {
@@ -62,7 +66,7 @@ class ScanTracer {
     const float share = static_cast<float>(exposure_.white * kPi / kPaintAlbedo) / kFineSamples;
     float factor[kFineSamples];
     for (int s = 0; s < kFineSamples; ++s) factor[s] = share * first[s].albedo / kPi;
-    AddProjected(first, factor, sums);
+    AddProjected(first, factor, RayOrder::kCoherent, sums);
     float ambient = 0;
     if (gathers) {
       ambient = AddBounce(x, y, first, share, sums);
@@ -99,10 +103,15 @@ class ScanTracer {
     return p;
   }
 
-  // Adds the projector's light on each point, times `factor`; hidden points get none.
-  void AddProjected(const SurfacePoint* points, const float* factor, float* sums) const {
+  // Adds the projector's light on each point, times `factor`; hidden points get none. The points
+  // of one pixel stand for stretches of the pattern as long as their spacing, so that the edges of
+  // stripes come out smooth; scattered ones (of a bounce) stand for themselves.
+  void AddProjected(const SurfacePoint* points, const float* factor, RayOrder order,
+                    float* sums) const {
     RayPacket packet;
-    ProjectedSample samples[kFineSamples];
+    Eigen::Vector2d pixels[kFineSamples];
+    float weights[kFineSamples] = {};
+    Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
     for (int s = 0; s < kFineSamples; ++s) {
       if (!points[s].valid || !(factor[s] > 0)) continue;
       const V3f origin = points[s].point + kOffsetMm * points[s].normal;
@@ -112,19 +121,24 @@ class ScanTracer {
       const Eigen::Vector3d p = projector_from_world_ * points[s].point.cast<double>();
       const auto pixel = Project(projector_, p);
       if (!pixel || !projector_.Contains(*pixel)) continue;
-      samples[s].column = static_cast<int>(std::lround(pixel->x()));
-      samples[s].row = static_cast<int>(std::lround(pixel->y()));
+      pixels[s] = *pixel;
+      low = low.cwiseMin(*pixel);
+      high = high.cwiseMax(*pixel);
       // Every projector pixel sends the same flux: even light on a screen across the axis.
       const float depth = static_cast<float>(p.z());
       const float near = static_cast<float>(kNearMm) / depth;
-      samples[s].weight = factor[s] * near * near * facing / depth;
+      weights[s] = factor[s] * near * near * facing / depth;
       packet.Set(s, origin, to_lamp, 0, 0.999f);
     }
     subject_.scene->Occlude(packet);
+    const Eigen::Vector2d width = order == RayOrder::kCoherent
+                                      ? Eigen::Vector2d((high - low) / kSpansAcrossPixel)
+                                      : Eigen::Vector2d(0, 0);
     for (int s = 0; s < kFineSamples; ++s) {
-      if (samples[s].weight > 0 && !StudioScene::Blocked(packet, s)) {
-        patterns_.Accumulate(samples[s], sums);
-      }
+      if (!(weights[s] > 0) || StudioScene::Blocked(packet, s)) continue;
+      patterns_.Accumulate({MakeSpan(pixels[s].x(), width.x(), projector_.width),
+                            MakeSpan(pixels[s].y(), width.y(), projector_.height), weights[s]},
+                           sums);
     }
   }
 
@@ -137,8 +151,8 @@ class ScanTracer {
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
       if (!first[s].valid) continue;
-      const double u1 = std::fmod((s * 7 % kFineSamples + shift1) / kFineSamples, 1.0);
-      const double u2 = std::fmod(s * 0.6180339887498949 + shift2, 1.0);
+      const double u1 = Fraction((s * 7 % kFineSamples + shift1) / kFineSamples);
+      const double u2 = Fraction(s * 0.6180339887498949 + shift2);
       const float radius = static_cast<float>(std::sqrt(u1));
       const float angle = 2 * kPi * static_cast<float>(u2);
       const V3f& n = first[s].normal;
@@ -148,7 +162,7 @@ class ScanTracer {
                             std::sqrt(std::max(0.0f, 1 - radius * radius)) * n;
       packet.Set(s, first[s].point + kOffsetMm * n, direction, 0, kFar);
     }
-    subject_.scene->Intersect(packet);
+    subject_.scene->Intersect(packet, RayOrder::kScattered);
     SurfacePoint second[kFineSamples];
     float factor[kFineSamples] = {};
     float ambient = 0;
@@ -162,7 +176,7 @@ class ScanTracer {
       ambient += 0.5f * first[s].albedo * second[s].albedo / kFineSamples;
       factor[s] = share * first[s].albedo * second[s].albedo / kPi;
     }
-    AddProjected(second, factor, sums);
+    AddProjected(second, factor, RayOrder::kScattered, sums);
     return ambient;
   }
 
@@ -207,11 +221,33 @@ PatternTable::PatternTable(const PatternSequence& sequence)
   frame_of_slot_.insert(frame_of_slot_.end(), rows.begin(), rows.end());
 }
 
+void PatternTable::AddSpan(const std::vector<float>& table, int slots, const ProjectedSpan& span,
+                           float weight, float* sums) {
+  const float* values = table.data() + static_cast<size_t>(span.index) * slots;
+  const float first = weight * (1 - span.share);
+  for (int i = 0; i < slots; ++i) sums[i] += first * values[i];
+  if (span.share <= 0) return;
+  const float second = weight * span.share;
+  values += slots;
+  for (int i = 0; i < slots; ++i) sums[i] += second * values[i];
+}
+
 void PatternTable::Accumulate(const ProjectedSample& sample, float* sums) const {
-  const float* column = by_column_.data() + static_cast<size_t>(sample.column) * column_slots_;
-  for (int i = 0; i < column_slots_; ++i) sums[i] += sample.weight * column[i];
-  const float* row = by_row_.data() + static_cast<size_t>(sample.row) * row_slots_;
-  for (int i = 0; i < row_slots_; ++i) sums[column_slots_ + i] += sample.weight * row[i];
+  AddSpan(by_column_, column_slots_, sample.column, sample.weight, sums);
+  AddSpan(by_row_, row_slots_, sample.row, sample.weight, sums + column_slots_);
+}
+
+ProjectedSpan MakeSpan(double center, double width, int count) {
+  const double half = 0.5 * std::clamp(width, 1e-6, 1.0);
+  // In the frame where pixel i covers [i, i + 1).
+  const double low = std::clamp(center + 0.5 - half, 0.0, count - 1e-9);
+  const double high = std::clamp(center + 0.5 + half, low, count - 1e-9);
+  ProjectedSpan span;
+  span.index = static_cast<int>(low);
+  if (static_cast<int>(high) > span.index) {
+    span.share = static_cast<float>((high - static_cast<int>(high)) / (high - low));
+  }
+  return span;
 }
 
 std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,

@@ -25,10 +25,20 @@ inline constexpr double kNearMm = 395;
 /// Albedo of the matt white paint.
 inline constexpr double kPaintAlbedo = 0.80;
 
+/// A stretch of the projector's columns (or rows): `index`, and `share` of it on the one after.
+struct ProjectedSpan {
+  int index = 0;
+  float share = 0;
+};
+
+/// The stretch [center - width / 2, center + width / 2] over pixels of unit width, at most one
+/// pixel wide and inside [0, count).
+ProjectedSpan MakeSpan(double center, double width, int count);
+
 /// One sample of a pixel under the projector: light proportional to `weight` times what the
-/// projector shows at its (column, row).
+/// projector shows at its columns and rows.
 struct ProjectedSample {
-  int column = 0, row = 0;
+  ProjectedSpan column, row;
   float weight = 0;
 };
 
@@ -37,12 +47,15 @@ class PatternTable {
  public:
   explicit PatternTable(const PatternSequence& sequence);
   int frames() const { return frames_; }
-  /// sums[f] += weight * PatternValue(frame f at the sample's column and row), for all frames.
+  /// sums[f] += weight * mean of PatternValue of frame f over the sample's span, for all frames.
   void Accumulate(const ProjectedSample& sample, float* sums) const;
   /// Frames as Accumulate orders them, to manifest order: the frame of slot i.
   const std::vector<int>& frame_of_slot() const { return frame_of_slot_; }
 
  private:
+  static void AddSpan(const std::vector<float>& table, int slots, const ProjectedSpan& span,
+                      float weight, float* sums);
+
   int frames_ = 0, column_slots_ = 0, row_slots_ = 0;
   std::vector<int> frame_of_slot_;
   std::vector<float> by_column_, by_row_;

@@ -15,7 +15,8 @@ using V3 = Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kDistanceMm = 430, kTargetHeightMm = 54;
-constexpr double kSeparationDeg = 22;
+// In azimuth; with the rig's elevation it makes 22 degrees between the two lines of sight.
+constexpr double kSeparationDeg = 25.6;
 
 V3 Outward(double azimuth_deg, double elevation_deg) {
   const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;

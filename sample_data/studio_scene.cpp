@@ -14,7 +14,6 @@ namespace {
 
 constexpr unsigned kObjectGeometry = 0, kPatchGeometry = 1;
 constexpr float kInkAlbedo = 0.035f, kEdgeAlbedo = 0.35f;
-constexpr float kTableAlbedo = 0.07f;
 
 void AttachTriangles(RTCDevice device, RTCScene scene, unsigned id,
                      const std::vector<Eigen::Vector3d>& vertices,
@@ -113,10 +112,11 @@ StudioScene::~StudioScene() {
   rtcReleaseDevice(device_);
 }
 
-void StudioScene::Intersect(RayPacket& packet) const {
+void StudioScene::Intersect(RayPacket& packet, RayOrder order) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags = order == RayOrder::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                               : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(packet.valid, scene_, &context, &packet.rays);
 }
 
@@ -138,6 +138,7 @@ SurfaceHit StudioScene::Hit(const RayPacket& packet, int lane) {
 void StudioScene::Occlude(RayPacket& packet) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcOccluded16(packet.valid, scene_, &context, &packet.rays.ray);
 }
 

@@ -31,8 +31,8 @@ std::vector<Patch> MakePlateAndTable(const Board& board, const Pose& world_from_
 
 inline constexpr double kPlateThicknessMm = 5;
 inline constexpr double kTableSizeMm = 1600;
-/// Albedo of the plate's paper.
-inline constexpr float kPaperAlbedo = 0.60f;
+/// Albedo of the plate's paper, and the mean of the table's.
+inline constexpr float kPaperAlbedo = 0.60f, kTableAlbedo = 0.07f;
 
 /// Sixteen rays traced together. Rays without a use are switched off by `valid` 0.
 struct alignas(64) RayPacket {
@@ -43,6 +43,9 @@ struct alignas(64) RayPacket {
   void Set(int lane, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,
            float t_far);
 };
+
+/// Whether a packet's rays run side by side.
+enum class RayOrder { kCoherent, kScattered };
 
 /// What a ray met: a triangle of the object, a patch, or nothing.
 struct SurfaceHit {
@@ -62,8 +65,9 @@ class StudioScene {
   StudioScene& operator=(const StudioScene&) = delete;
 
   const std::vector<Patch>& patches() const { return patches_; }
-  /// First hits of the packet's valid rays; SurfaceHit of one lane by `Hit`.
-  void Intersect(RayPacket& packet) const;
+  /// First hits of the packet's valid rays; SurfaceHit of one lane by `Hit`. `order` only says what
+  /// is faster.
+  void Intersect(RayPacket& packet, RayOrder order) const;
   static SurfaceHit Hit(const RayPacket& packet, int lane);
   /// Afterwards `Blocked` says for each valid lane whether anything lies on the way.
   void Occlude(RayPacket& packet) const;

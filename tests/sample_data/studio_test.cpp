@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sample_data/studio.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+
+#include "calib/board.h"
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/ply.h"
+#include "core/ray_scene.h"
+#include "scan/patterns.h"
+
+namespace lfm {
+namespace {
+
+StudioOptions SmallOptions() {
+  StudioOptions options;
+  options.photos = 3;
+  options.test_photos = 1;
+  options.photo_width = 160;
+  options.photo_height = 120;
+  options.scans = 1;
+  options.placements = 1;
+  options.scan_width = 64;
+  options.scan_height = 48;
+  options.projector_width = 64;
+  options.projector_height = 48;
+  options.edge_mm = 2.5;
+  options.tiny = true;
+  return options;
+}
+
+struct Shoot {
+  StudioResult result;
+  std::map<std::string, Image> pictures;
+};
+
+Shoot RunStudio(const StudioOptions& options) {
+  Shoot run;
+  std::mutex mutex;
+  run.result = RenderStudio(
+      options,
+      [&](const std::string& file, const Image& picture) {
+        const std::lock_guard lock(mutex);
+        EXPECT_TRUE(run.pictures.emplace(file, picture).second) << file;
+      },
+      SilentProgress());
+  return run;
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "lfm_studio_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
+    path_ = name;
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+class StudioTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { run_ = new Shoot(RunStudio(SmallOptions())); }
+  static void TearDownTestSuite() { delete run_; }
+  static Shoot* run_;
+};
+Shoot* StudioTest::run_ = nullptr;
+
+TEST_F(StudioTest, HandsOverEveryListedPicture) {
+  const Capture& capture = run_->result.capture;
+  ASSERT_EQ(capture.photos.size(), 3u);
+  for (const Photo& photo : capture.photos) {
+    ASSERT_TRUE(run_->pictures.contains(photo.file));
+    EXPECT_FALSE(photo.camera_from_world);
+    EXPECT_EQ(run_->pictures.at(photo.file).channels(), 3);
+  }
+  ASSERT_TRUE(capture.scanner);
+  EXPECT_EQ(capture.scanner->scan_roles.size(),
+            MakePatternSequence(64, 48, PatternRows::kWithout).patterns.size());
+  for (const auto* sets : {&capture.scanner->scans, &capture.scanner->placements}) {
+    for (const ScanSet& set : *sets) {
+      EXPECT_FALSE(set.camera_from_world);
+      for (const std::string& frame : set.frames) ASSERT_TRUE(run_->pictures.contains(frame));
+    }
+  }
+  int clean = 0;
+  for (const Photo& photo : run_->result.truth.photos) {
+    ASSERT_TRUE(photo.camera_from_world);
+    ASSERT_TRUE(run_->pictures.contains("ground_truth/" + photo.mask));
+    const bool has_clean = run_->pictures.contains("ground_truth/" + photo.file);
+    EXPECT_EQ(has_clean, photo.split == PhotoSplit::kTest);
+    clean += has_clean;
+  }
+  EXPECT_EQ(clean, 1);
+}
+
+// Masks against rays cast by other code, through the true cameras at the true mesh.
+TEST_F(StudioTest, MasksAgreeWithTheTrueMeshAndPoses) {
+  const RayScene scene(run_->result.mesh);
+  const Capture& truth = run_->result.truth;
+  const Camera camera = *truth.cameras.at("photo").intrinsics;
+  for (const Photo& photo : truth.photos) {
+    const Image& mask = run_->pictures.at("ground_truth/" + photo.mask);
+    const Pose world_from_camera = photo.camera_from_world->Inverse();
+    int object = 0, different = 0;
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const Eigen::Vector3d direction =
+            world_from_camera.rotation *
+            Unproject(camera, {static_cast<double>(x), static_cast<double>(y)});
+        const bool hit = scene.Intersect(world_from_camera.translation, direction).has_value();
+        object += hit;
+        different += hit != (mask.At<uint8_t>(x, y) == 255);
+      }
+    }
+    EXPECT_GT(object, 1500);
+    EXPECT_LE(different, object / 500);
+  }
+}
+
+TEST_F(StudioTest, TestPhotographIsItsNoiseFreePicturePlusNoise) {
+  for (const Photo& photo : run_->result.truth.photos) {
+    if (photo.split != PhotoSplit::kTest) continue;
+    const Image& clean = run_->pictures.at("ground_truth/" + photo.file);
+    const Image& noisy = run_->pictures.at("photos/" + photo.id + ".png");
+    double squares = 0;
+    for (size_t i = 0; i < clean.size(); ++i) {
+      const double d = clean.Data<uint8_t>()[i] - noisy.Data<uint8_t>()[i];
+      squares += d * d;
+    }
+    const double rms = std::sqrt(squares / static_cast<double>(clean.size()));
+    // Shot noise at 20 000 electrons is one to three levels.
+    EXPECT_GT(rms, 0.5);
+    EXPECT_LT(rms, 3.5);
+  }
+}
+
+TEST_F(StudioTest, FewObjectPixelsSaturateAndTheDiffuseIsMidTone) {
+  for (const Photo& photo : run_->result.truth.photos) {
+    const Image& mask = run_->pictures.at("ground_truth/" + photo.mask);
+    const Image& picture = run_->pictures.at("photos/" + photo.id + ".png");
+    double sum = 0;
+    int pixels = 0, saturated = 0;
+    for (int y = 0; y < mask.height(); ++y) {
+      for (int x = 0; x < mask.width(); ++x) {
+        if (mask.At<uint8_t>(x, y) == 0) continue;
+        ++pixels;
+        const uint8_t* p = &picture.At<uint8_t>(x, y);
+        sum += (p[0] + p[1] + p[2]) / 3.0;
+        saturated += std::max({p[0], p[1], p[2]}) == 255;
+      }
+    }
+    EXPECT_GT(sum / pixels, 70);
+    EXPECT_LT(sum / pixels, 170);
+    EXPECT_LT(saturated, 0.01 * pixels);
+  }
+}
+
+TEST_F(StudioTest, IsTheSameForEveryNumberOfThreads) {
+  SetThreadCount(1);
+  const Shoot other = RunStudio(SmallOptions());
+  SetThreadCount(0);
+  ASSERT_EQ(other.pictures.size(), run_->pictures.size());
+  for (const auto& [file, picture] : run_->pictures) {
+    ASSERT_EQ(picture.Bytes(), other.pictures.at(file).Bytes()) << file;
+  }
+}
+
+TEST(Studio, WritesACaptureThatLoads) {
+  const TemporaryFolder folder;
+  StudioOptions options = SmallOptions();
+  options.jpeg_quality = 90;
+  MakeCapture(options, folder.path() / "capture", SilentProgress());
+  const Capture capture = LoadCapture(folder.path() / "capture");
+  const Capture truth = LoadCapture(folder.path() / "capture" / "ground_truth");
+  EXPECT_TRUE(truth.BringsGeometry());
+  EXPECT_FALSE(capture.BringsGeometry());
+  ASSERT_TRUE(truth.scanner && truth.scanner->projector && truth.scanner->projector_from_camera);
+  EXPECT_TRUE(truth.scanner->scans.at(0).camera_from_world);
+  const Board board = ReadBoard(capture.folder / capture.board);
+  EXPECT_EQ(board.tags.size(), DefaultBoard().tags.size());
+  EXPECT_GT(ReadPlyMesh(truth.folder / truth.mesh).triangles.size(), 1000u);
+  const ImageLoader load = MakeImageLoader(capture);
+  EXPECT_EQ(load(capture.photos[0].file).width(), 160);
+  EXPECT_EQ(load(capture.scanner->placements[0].frames.back()).channels(), 1);
+}
+
+TEST(Studio, RendersAnyMesh) {
+  const TemporaryFolder folder;
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 4}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  WritePly(mesh, folder.path() / "mesh.ply");
+  StudioOptions options = SmallOptions();
+  options.mesh = (folder.path() / "mesh.ply").string();
+  options.scans = options.placements = 0;
+  const Shoot run = RunStudio(options);
+  EXPECT_FALSE(run.result.capture.scanner);
+  int object = 0;
+  for (const auto& [file, picture] : run.pictures) {
+    if (!file.starts_with("ground_truth/masks")) continue;
+    for (size_t i = 0; i < picture.size(); ++i) object += picture.Data<uint8_t>()[i] == 255;
+  }
+  EXPECT_GT(object, 1000);
+}
+
+TEST(Studio, RejectsBadOptionsAndMeshes) {
+  const TemporaryFolder folder;
+  StudioOptions options = SmallOptions();
+  options.test_photos = 9;
+  EXPECT_THROW(RunStudio(options), Error);
+  options = SmallOptions();
+  options.photo_width = 0;
+  EXPECT_THROW(RunStudio(options), Error);
+  options = SmallOptions();
+  options.mesh = (folder.path() / "absent.ply").string();
+  EXPECT_THROW(RunStudio(options), Error);
+  std::ofstream(folder.path() / "broken.ply") << "ply\nformat ascii 1.0\nelement vertex 99\n";
+  options.mesh = (folder.path() / "broken.ply").string();
+  EXPECT_THROW(RunStudio(options), Error);
+}
+
+// Stops after a few steps, as Ctrl-C would.
+class StoppingProgress : public Progress {
+ public:
+  void Start(std::string_view what, int64_t) override { photos_ = what == "photographs"; }
+  void Advance(int64_t) override {
+    if (photos_) throw Interrupted();
+  }
+  void Note(std::string_view) override {}
+
+ private:
+  bool photos_ = false;
+};
+
+TEST(Studio, InterruptedRunLeavesNoManifestAndOnlyWholePictures) {
+  const TemporaryFolder folder;
+  const std::filesystem::path capture = folder.path() / "capture";
+  std::filesystem::create_directories(capture);
+  std::ofstream(capture / "capture.json") << "{}";
+  StoppingProgress progress;
+  EXPECT_THROW(MakeCapture(SmallOptions(), capture, progress), Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(capture / "capture.json"));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(capture)) {
+    if (!entry.is_regular_file()) continue;
+    EXPECT_NO_THROW(ReadImage(entry.path())) << entry.path();
+  }
+}
+
+TEST(Studio, TinyKeepsWhatIsGiven) {
+  StudioOptions options;
+  options.tiny = true;
+  options.photos = 7;
+  const StudioOptions resolved = ResolveTiny(options);
+  EXPECT_EQ(resolved.photos, 7);
+  EXPECT_EQ(resolved.photo_width, 400);
+  EXPECT_EQ(ResolveTiny(StudioOptions()).photo_width, 960);
+}
+
+int RunCommand(const std::string& arguments) {
+  const std::string command =
+      std::string(LFM_BIN_DIR) + "/lfm-capture " + arguments + " > /dev/null 2>&1";
+  return WEXITSTATUS(std::system(command.c_str()));
+}
+
+TEST(CaptureCommand, ExitsAsDocumented) {
+  EXPECT_EQ(RunCommand("--help"), 0);
+  EXPECT_EQ(RunCommand(""), 2);
+  EXPECT_EQ(RunCommand("--out /nowhere/x --photos -3"), 2);
+  EXPECT_EQ(RunCommand("--out /proc/none/x --tiny --photos 1 --test-photos 0 --scans 0 "
+                       "--placements 0 --photo-width 32 --photo-height 24 --edge 4"),
+            1);
+}
+
+}  // namespace
+}  // namespace lfm
