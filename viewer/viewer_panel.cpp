@@ -51,6 +51,7 @@ ViewerState LayOut(ViewerState state, float frames_per_second) {
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowBgAlpha(0.8f);
   ImGui::Begin("Light field", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::SetNextItemWidth(110);
   ImGui::SliderInt("terms  [ ]", &state.terms, 0, state.model_terms);
   ImGui::Checkbox("mean view only  M", &state.mean_only);
   bool wireframe = state.edges == EdgeOverlay::kWireframe;
@@ -61,12 +62,13 @@ ViewerState LayOut(ViewerState state, float frames_per_second) {
   if (ImGui::Checkbox("view coordinates a vertex", &per_vertex)) {
     state.view_coordinates = per_vertex ? ViewCoordinates::kPerVertex : ViewCoordinates::kPerPixel;
   }
-  if (ImGui::Button("screenshot  S")) state.save_screenshot = true;
+  if (ImGui::Button("save S")) state.save_screenshot = true;
   ImGui::SameLine();
-  if (ImGui::Button("reset view  R")) state.camera = state.home;
-  ImGui::Text("%.0f frames/s   azimuth %.0f   elevation %.0f", frames_per_second,
-              state.camera.azimuth * kDegreesPerRadian, state.camera.elevation * kDegreesPerRadian);
-  ImGui::TextDisabled("left drag: orbit   wheel: zoom   right drag: pan   P: panel");
+  if (ImGui::Button("reset R")) state.camera = state.home;
+  ImGui::Text("azimuth %.0f  elevation %.0f", state.camera.azimuth * kDegreesPerRadian,
+              state.camera.elevation * kDegreesPerRadian);
+  ImGui::Text("%.0f frames/s", frames_per_second);
+  ImGui::TextDisabled("left drag  orbit\nwheel      zoom\nright drag pan\nP          panel");
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::End();
   return state;

@@ -39,10 +39,10 @@ vec4 Range(int term, int vertex) {
   return texelFetch(ranges, ivec2(entry % table_width, entry / table_width), 0);
 }
 
-// 1 on the triangle's edges, falling to 0 within one and a half pixels.
+// 1 on the triangle's edges, falling to 0 within a pixel and a quarter.
 float EdgeShare() {
   vec3 pixels = corner_weights / max(fwidth(corner_weights), vec3(1e-9));
-  return 1.0 - smoothstep(0.5, 1.5, min(pixels.x, min(pixels.y, pixels.z)));
+  return 1.0 - smoothstep(0.25, 1.25, min(pixels.x, min(pixels.y, pixels.z)));
 }
 
 void main() {
@@ -62,6 +62,6 @@ void main() {
       sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
     }
   }
-  if (wireframe != 0) sum = mix(sum, vec3(0.15, 0.75, 1.0), 0.8 * EdgeShare());
+  if (wireframe != 0) sum = mix(sum, vec3(0.15, 0.75, 1.0), 0.7 * EdgeShare());
   color = vec4(clamp(sum, 0.0, 1.0), 1.0);
 }
