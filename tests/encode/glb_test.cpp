@@ -233,6 +233,19 @@ TEST_F(Glb, SurvivesHostileDocuments) {
   EXPECT_EQ(damaged.json, good.json);
 }
 
+// The published schema lists the keys that are written, no more and no fewer.
+TEST_F(Glb, SchemaListsTheKeys) {
+  const nlohmann::json schema =
+      nlohmann::json::parse(ReadFile(LFM_SOURCE_DIR "/docs/LFM_surface_light_field.schema.json"));
+  const GlbContainer glb = ParseGlb(Written(MakeModel(0, 3, 1)), "model.glb");
+  const auto& extension = glb.json["extensions"]["LFM_surface_light_field"];
+  for (const auto& [key, value] : extension.items()) {
+    EXPECT_TRUE(schema["properties"].contains(key)) << key;
+  }
+  EXPECT_EQ(schema["properties"].size(), extension.size());
+  for (const std::string key : schema["required"]) EXPECT_TRUE(extension.contains(key)) << key;
+}
+
 TEST_F(Glb, RefusesMissingKeys) {
   const GlbContainer good = ParseGlb(Written(MakeModel(0, 3, 1)), "model.glb");
   const std::string extension = "LFM_surface_light_field";
