@@ -22,7 +22,8 @@ struct MeshOptions {
               0, 100},
              platform_margin_mm);
     v.Integer({"poisson-depth",
-               "Octree depth of the reconstruction: detail against time and "
+               "Finest octree depth of the reconstruction (coarser where points are sparse): "
+               "detail against time and "
                "memory.",
                "", 5, 12},
               poisson_depth);

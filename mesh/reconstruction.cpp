@@ -21,6 +21,8 @@ namespace {
 
 constexpr double kVoxelInCells = 0.5;
 constexpr double kShortestEdgeInCells = 0.3;
+constexpr double kSmallestCellInSpacings = 1.4;
+constexpr int kShallowest = 5;
 constexpr double kReachInCells = 2.5;
 constexpr double kReachInSpacings = 3;
 constexpr double kLikeNormalCosine = 0.2;
@@ -52,19 +54,12 @@ PointCloud WeighAndJoin(const PointCloud& measured, const PointCloud& continuati
   return joined;
 }
 
-// PCL's extraction now and then loses edges where octree cells of different size meet, and the
-// holes it leaves cannot always be closed. Another cube puts the cells elsewhere.
-TriangleMesh ReconstructClosed(const PointCloud& points, PoissonSettings settings) {
-  constexpr int kAttempts = 6;
-  constexpr double kScaleStep = 1.017;
-  for (int attempt = 1;; ++attempt) {
-    try {
-      return RepairToClosedManifold(ReconstructPoisson(points, settings));
-    } catch (const Error&) {
-      if (attempt == kAttempts) throw;
-      settings.cube_scale *= kScaleStep;
-    }
-  }
+TriangleMesh ReconstructOnce(const PointCloud& measured, const PoissonSettings& settings,
+                             double cell_mm) {
+  const PointCloud continuation = ContinueBelowPlatform(measured, cell_mm);
+  const TriangleMesh extracted = ReconstructPoisson(WeighAndJoin(measured, continuation), settings);
+  const TriangleMesh cut = CutAtPlatform(RepairToClosedManifold(extracted), cell_mm);
+  return RemoveShortEdges(RepairToClosedManifold(cut), kShortestEdgeInCells * cell_mm);
 }
 
 std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud& measured,
@@ -100,16 +95,33 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
   if (object.points.empty()) throw Error("reconstruction: there are no points");
   PoissonSettings settings;
   settings.depth = depth;
-  const double cell_mm = CellSize(object, settings);
-  progress.Start("reconstructing the surface", 4);
-  const PointCloud measured = ConsolidatePoints(object, kVoxelInCells * cell_mm);
-  if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
+  // Cells much finer than the points' spacing hold nothing but noise, and tear the surface.
+  while (settings.depth > kShallowest &&
+         CellSize(object, settings) < kSmallestCellInSpacings * spacing_mm) {
+    --settings.depth;
+  }
+  progress.Start("reconstructing the surface", 3);
+  // PCL's extraction now and then loses edges where octree cells of different size meet, and the
+  // holes it leaves cannot always be closed. Another cube puts the cells elsewhere; larger cells
+  // bridge what was scanned thinly.
+  constexpr int kAttempts = 6;
+  constexpr double kScaleStep = 1.017;
+  double cell_mm = 0;
+  PointCloud measured;
+  TriangleMesh surface;
+  for (int attempt = 1; surface.triangles.empty(); ++attempt) {
+    cell_mm = CellSize(object, settings);
+    measured = ConsolidatePoints(object, kVoxelInCells * cell_mm);
+    if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
+    try {
+      surface = ReconstructOnce(measured, settings, cell_mm);
+    } catch (const Error&) {
+      if (attempt == kAttempts) throw;
+      settings.cube_scale *= kScaleStep;
+      if (attempt >= kAttempts / 3) settings.depth = std::max(kShallowest, settings.depth - 1);
+    }
+  }
   progress.Advance();
-  const PointCloud continuation = ContinueBelowPlatform(measured, cell_mm);
-  TriangleMesh surface = ReconstructClosed(WeighAndJoin(measured, continuation), settings);
-  progress.Advance();
-  surface = CutAtPlatform(surface, cell_mm);
-  surface = RemoveShortEdges(RepairToClosedManifold(surface), kShortestEdgeInCells * cell_mm);
   surface = FlipTowardsDelaunay(surface);
   progress.Advance();
   surface.normals = ComputeVertexNormals(surface);

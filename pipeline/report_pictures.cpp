@@ -18,6 +18,7 @@
 #include "pipeline/picture_sheet.h"
 #include "pipeline/stage_cache.h"
 #include "resample/light_field.h"
+#include "resample/resample_pictures.h"
 #include "scan/scan_pictures.h"
 #include "viewer/orbit_camera.h"
 
@@ -111,22 +112,14 @@ void DrawMeshes(const MeshResult& mesh, Gallery& gallery) {
 }
 
 void DrawResampling(const LightField& light_field, Gallery& gallery) {
-  const TriangleMesh& mesh = light_field.mesh();
-  std::vector<float> views(mesh.vertices.size(), 0), rings(mesh.vertices.size(), 0);
-  for (int t = 0; t < light_field.triangle_count(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      views[mesh.triangles[t][c]] += static_cast<float>(light_field.Patch(t).photos.size());
-      rings[mesh.triangles[t][c]] += 1;
-    }
-  }
-  for (size_t v = 0; v < views.size(); ++v) views[v] /= std::max(1.0f, rings[v]);
   MeshPictureOptions options;
-  options.values = views;
-  options.value_high = std::max(1.0f, *std::max_element(views.begin(), views.end()));
+  options.values = CoverageValues(light_field);
+  options.value_high =
+      std::max(1.0f, *std::max_element(options.values.begin(), options.values.end()));
   gallery.Add("resample", "resample-coverage",
               "Photographs that saw each part completely: dark none, yellow " +
                   std::to_string(std::lround(options.value_high)) + ".",
-              DrawFromAllSides(mesh, options));
+              DrawFromAllSides(light_field.mesh(), options));
 }
 
 void DrawEncoding(const LightFieldModel& model, const nlohmann::json& figures, Gallery& gallery) {
