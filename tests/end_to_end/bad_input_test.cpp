@@ -10,7 +10,7 @@
 #include "core/atomic_file.h"
 #include "core/image.h"
 #include "core/ply.h"
-#include "tests/end_to_end/tiny_capture.h"
+#include "tests/end_to_end/small_capture.h"
 
 namespace lfm {
 namespace {
@@ -35,12 +35,12 @@ void ExpectInputError(const CommandOutcome& outcome, const std::vector<std::stri
   EXPECT_TRUE(IsOneLineWith(outcome.err, parts)) << outcome.err;
 }
 
-std::string FirstPhoto(const TinyCapture& tiny) {
-  return tiny.Manifest()["photos"][0]["file"].get<std::string>();
+std::string FirstPhoto(const SmallCapture& small) {
+  return small.Manifest()["photos"][0]["file"].get<std::string>();
 }
 
-json Rejected(const TinyCapture& tiny, const std::string& stage) {
-  return ReadJson(tiny.work() / stage / "stage.json")["figures"]["rejected"];
+json Rejected(const SmallCapture& small, const std::string& stage) {
+  return ReadJson(small.work() / stage / "stage.json")["figures"]["rejected"];
 }
 
 std::string ReasonFor(const json& rejected, const std::string& id) {
@@ -55,137 +55,137 @@ void TruncateFile(const fs::path& file, double share) {
 }
 
 TEST(BadInput, AMissingPhotographIsSetAsideAndNamed) {
-  const TinyCapture tiny;
-  fs::remove(tiny.capture() / FirstPhoto(tiny));
-  ASSERT_EQ(tiny.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  const json rejected = Rejected(tiny, "calib");
+  const SmallCapture small;
+  fs::remove(small.capture() / FirstPhoto(small));
+  ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
+  const json rejected = Rejected(small, "calib");
   ASSERT_EQ(rejected.size(), 1u);
-  EXPECT_NE(rejected[0]["reason"].get<std::string>().find(FirstPhoto(tiny)), std::string::npos);
+  EXPECT_NE(rejected[0]["reason"].get<std::string>().find(FirstPhoto(small)), std::string::npos);
 }
 
 TEST(BadInput, AnUnreadablePhotographIsSetAsideAndNamed) {
-  const TinyCapture tiny;
-  TruncateFile(tiny.capture() / FirstPhoto(tiny), 0.4);
-  ASSERT_EQ(tiny.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  EXPECT_EQ(Rejected(tiny, "calib").size(), 1u);
+  const SmallCapture small;
+  TruncateFile(small.capture() / FirstPhoto(small), 0.4);
+  ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
+  EXPECT_EQ(Rejected(small, "calib").size(), 1u);
 }
 
 TEST(BadInput, APhotographWithoutTagsIsSetAsideWithThatReason) {
-  const TinyCapture tiny;
-  const json photo = tiny.Manifest()["photos"][0];
-  const Image original = ReadImage(tiny.capture() / FirstPhoto(tiny));
+  const SmallCapture small;
+  const json photo = small.Manifest()["photos"][0];
+  const Image original = ReadImage(small.capture() / FirstPhoto(small));
   Image gray(original.width(), original.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
   std::fill_n(gray.Data<uint8_t>(), gray.size(), uint8_t{128});
-  WriteImage(gray, tiny.capture() / FirstPhoto(tiny));
-  ASSERT_EQ(tiny.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  EXPECT_NE(ReasonFor(Rejected(tiny, "calib"), photo["id"]).find("tag"), std::string::npos);
+  WriteImage(gray, small.capture() / FirstPhoto(small));
+  ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
+  EXPECT_NE(ReasonFor(Rejected(small, "calib"), photo["id"]).find("tag"), std::string::npos);
 }
 
 TEST(BadInput, AnotherBoardIsToldFromOurs) {
-  const TinyCapture tiny;
+  const SmallCapture small;
   // The manifest describes a platform whose tags are others than the photographed ones.
-  const std::string board_file = tiny.Manifest()["board"];
-  Board board = ReadBoard(tiny.capture() / board_file);
+  const std::string board_file = small.Manifest()["board"];
+  Board board = ReadBoard(small.capture() / board_file);
   for (BoardTag& tag : board.tags) tag.id += 300;
-  WriteBoard(board, tiny.capture() / board_file);
-  ExpectInputError(tiny.RunPipeline({"-q"}), {"lfm-pipeline: error:"});
-  EXPECT_TRUE(NothingHalfWritten(tiny.work()));
+  WriteBoard(board, small.capture() / board_file);
+  ExpectInputError(small.RunPipeline({"-q"}), {"lfm-pipeline: error:"});
+  EXPECT_TRUE(NothingHalfWritten(small.work()));
 }
 
 TEST(BadInput, AScanWithMissingFramesIsSetAsideAndNamed) {
-  const TinyCapture tiny;
-  const json scan = tiny.Manifest()["scanner"]["scans"][0];
-  fs::remove(tiny.capture() / scan["frames"].back().get<std::string>());
-  ASSERT_EQ(tiny.RunPipeline({"--to", "scan", "-q"}).status, 0);
+  const SmallCapture small;
+  const json scan = small.Manifest()["scanner"]["scans"][0];
+  fs::remove(small.capture() / scan["frames"].back().get<std::string>());
+  ASSERT_EQ(small.RunPipeline({"--to", "scan", "-q"}).status, 0);
   EXPECT_NE(
-      ReasonFor(Rejected(tiny, "scan"), scan["id"]).find(scan["frames"].back().get<std::string>()),
+      ReasonFor(Rejected(small, "scan"), scan["id"]).find(scan["frames"].back().get<std::string>()),
       std::string::npos);
 }
 
 TEST(BadInput, AnEmptyCloudIsRefusedWithACure) {
-  const TinyCapture tiny;
-  ASSERT_EQ(tiny.RunPipeline({"--to", "scan", "-q"}).status, 0);
-  WritePly(PointCloud{}, tiny.work() / "scan" / "points.ply");
+  const SmallCapture small;
+  ASSERT_EQ(small.RunPipeline({"--to", "scan", "-q"}).status, 0);
+  WritePly(PointCloud{}, small.work() / "scan" / "points.ply");
   const CommandOutcome outcome = RunCommand(
-      {TinyCapture::Command("lfm-mesh"), tiny.capture().string(), tiny.work().string(), "-q"});
+      {SmallCapture::Command("lfm-mesh"), small.capture().string(), small.work().string(), "-q"});
   ExpectInputError(outcome, {"lfm-mesh: error:"});
-  EXPECT_FALSE(fs::exists(tiny.work() / "mesh" / "mesh.ply"));
+  EXPECT_FALSE(fs::exists(small.work() / "mesh" / "mesh.ply"));
 }
 
 TEST(BadInput, OnePhotographIsTooFew) {
-  const TinyCapture tiny;
-  json manifest = tiny.Manifest();
+  const SmallCapture small;
+  json manifest = small.Manifest();
   const json first = manifest["photos"][0];
   manifest["photos"] = json::array({first});
-  tiny.SetManifest(manifest);
-  ExpectInputError(tiny.RunPipeline({"-q"}), {"lfm-pipeline: error:", "photo"});
+  small.SetManifest(manifest);
+  ExpectInputError(small.RunPipeline({"-q"}), {"lfm-pipeline: error:", "photo"});
 }
 
 TEST(BadInput, AnUnknownKeyIsNamed) {
-  const TinyCapture tiny;
-  json manifest = tiny.Manifest();
+  const SmallCapture small;
+  json manifest = small.Manifest();
   manifest["photoz"] = 1;
-  tiny.SetManifest(manifest);
-  ExpectInputError(tiny.RunPipeline({"-q"}), {"capture.json", "photoz"});
+  small.SetManifest(manifest);
+  ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "photoz"});
 }
 
 TEST(BadInput, AWrongTypeIsNamed) {
-  const TinyCapture tiny;
-  json manifest = tiny.Manifest();
+  const SmallCapture small;
+  json manifest = small.Manifest();
   manifest["photos"][1]["file"] = 7;
-  tiny.SetManifest(manifest);
-  ExpectInputError(tiny.RunPipeline({"-q"}), {"capture.json", "photos[1].file"});
+  small.SetManifest(manifest);
+  ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "photos[1].file"});
 }
 
 TEST(BadInput, APathThatLeavesTheCaptureIsRefused) {
-  const TinyCapture tiny;
-  json manifest = tiny.Manifest();
+  const SmallCapture small;
+  json manifest = small.Manifest();
   manifest["photos"][0]["file"] = "../../etc/passwd";
-  tiny.SetManifest(manifest);
-  ExpectInputError(tiny.RunPipeline({"-q"}), {"capture.json", "photos[0]"});
+  small.SetManifest(manifest);
+  ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "photos[0]"});
 }
 
 TEST(BadInput, AMissingCaptureIsNamed) {
-  ExpectInputError(RunCommand({TinyCapture::Command("lfm-pipeline"), "run", "/no/such/capture"}),
+  ExpectInputError(RunCommand({SmallCapture::Command("lfm-pipeline"), "run", "/no/such/capture"}),
                    {"/no/such/capture"});
 }
 
 TEST(BadInput, ATruncatedLightFieldIsRefusedAndMadeAgain) {
-  const TinyCapture tiny;
-  ASSERT_EQ(tiny.RunPipeline({"--to", "encode", "-q"}).status, 0);
-  const std::string model = ReadFile(tiny.work() / "encode" / "model.glb");
-  TruncateFile(tiny.work() / "resample" / "light_field.lfs", 0.5);
-  ExpectInputError(RunCommand({TinyCapture::Command("lfm-encode"), tiny.work().string(), "-q"}),
+  const SmallCapture small;
+  ASSERT_EQ(small.RunPipeline({"--to", "encode", "-q"}).status, 0);
+  const std::string model = ReadFile(small.work() / "encode" / "model.glb");
+  TruncateFile(small.work() / "resample" / "light_field.lfs", 0.5);
+  ExpectInputError(RunCommand({SmallCapture::Command("lfm-encode"), small.work().string(), "-q"}),
                    {"lfm-encode: error:", "light_field.lfs"});
-  EXPECT_EQ(ReadFile(tiny.work() / "encode" / "model.glb"), model) << "nothing may be lost";
-  ASSERT_EQ(tiny.RunPipeline({"--to", "encode", "-q"}).status, 0);
-  EXPECT_EQ(ReadFile(tiny.work() / "encode" / "model.glb"), model);
+  EXPECT_EQ(ReadFile(small.work() / "encode" / "model.glb"), model) << "nothing may be lost";
+  ASSERT_EQ(small.RunPipeline({"--to", "encode", "-q"}).status, 0);
+  EXPECT_EQ(ReadFile(small.work() / "encode" / "model.glb"), model);
 }
 
 TEST(BadInput, ATruncatedModelIsRefused) {
-  const TinyCapture tiny;
-  ASSERT_EQ(tiny.RunPipeline({"--to", "encode", "-q"}).status, 0);
-  const fs::path model = tiny.work() / "encode" / "model.glb";
+  const SmallCapture small;
+  ASSERT_EQ(small.RunPipeline({"--to", "encode", "-q"}).status, 0);
+  const fs::path model = small.work() / "encode" / "model.glb";
   TruncateFile(model, 0.7);
-  const fs::path picture = tiny.work() / "picture.png";
+  const fs::path picture = small.work() / "picture.png";
   ExpectInputError(
-      RunCommand({TinyCapture::Command("lfm-render"), model.string(), picture.string(), "-q"}),
+      RunCommand({SmallCapture::Command("lfm-render"), model.string(), picture.string(), "-q"}),
       {"lfm-render: error:", "model.glb"});
   EXPECT_FALSE(fs::exists(picture));
 }
 
 TEST(BadInput, AFullDiskIsSaidAndTheNextRunGoesOn) {
-  const TinyCapture tiny;
-  ASSERT_EQ(tiny.RunPipeline({"--to", "mesh", "-q"}).status, 0);
+  const SmallCapture small;
+  ASSERT_EQ(small.RunPipeline({"--to", "mesh", "-q"}).status, 0);
   CommandSettings full;
   full.max_file_bytes = 100'000;  // the light field needs more
-  const CommandOutcome outcome = tiny.RunPipeline({"--to", "resample", "-q"}, full);
+  const CommandOutcome outcome = small.RunPipeline({"--to", "resample", "-q"}, full);
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_TRUE(IsOneLineWith(outcome.err, {"lfm-pipeline: error:", "light_field.lfs"}))
       << outcome.err;
-  EXPECT_TRUE(NothingHalfWritten(tiny.work()));
-  EXPECT_FALSE(fs::exists(tiny.work() / "resample"));
-  EXPECT_EQ(tiny.RunPipeline({"--to", "resample", "-q"}).status, 0);
+  EXPECT_TRUE(NothingHalfWritten(small.work()));
+  EXPECT_FALSE(fs::exists(small.work() / "resample"));
+  EXPECT_EQ(small.RunPipeline({"--to", "resample", "-q"}).status, 0);
 }
 
 }  // namespace

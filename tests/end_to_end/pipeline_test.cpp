@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole way, from the small capture in the repository to a model, a picture and a report.
+// The whole way, from a small capture to a model, a picture and a report.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -9,7 +9,7 @@
 #include "core/atomic_file.h"
 #include "core/hash.h"
 #include "core/image.h"
-#include "tests/end_to_end/tiny_capture.h"
+#include "tests/end_to_end/small_capture.h"
 
 namespace lfm {
 namespace {
@@ -30,11 +30,11 @@ std::map<std::string, std::string> HashResults(const fs::path& work) {
   return hashes;
 }
 
-TEST(Pipeline, MakesAModelAndAReportFromTheTinyCapture) {
-  const TinyCapture tiny;
-  const CommandOutcome outcome = tiny.RunPipeline();
+TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
+  const SmallCapture small;
+  const CommandOutcome outcome = small.RunPipeline();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const json report = ReadJson(tiny.work() / "report" / "report.json");
+  const json report = ReadJson(small.work() / "report" / "report.json");
   for (const char* place : {"/calib/photos_used",
                             "/calib/photos_rejected",
                             "/calib/reprojection_rms_px",
@@ -74,24 +74,24 @@ TEST(Pipeline, MakesAModelAndAReportFromTheTinyCapture) {
             report["evaluate"]["heldout_psnr_mean_only_db"].get<double>());
   EXPECT_LT(report["calib"]["reprojection_rms_px"].get<double>(), 0.5);
 
-  const std::string page = ReadFile(tiny.work() / "report" / "index.html");
+  const std::string page = ReadFile(small.work() / "report" / "index.html");
   for (size_t at = page.find("src=\""); at != std::string::npos; at = page.find("src=\"", at + 1)) {
     const std::string file = page.substr(at + 5, page.find('"', at + 5) - at - 5);
-    EXPECT_NO_THROW(ReadImage(tiny.work() / "report" / file)) << file;
+    EXPECT_NO_THROW(ReadImage(small.work() / "report" / file)) << file;
   }
 
   // A second run finds everything done.
-  const CommandOutcome again = tiny.RunPipeline();
+  const CommandOutcome again = small.RunPipeline();
   EXPECT_EQ(again.status, 0);
   EXPECT_NE(again.err.find("encode: unchanged"), std::string::npos) << again.err;
   EXPECT_NE(again.err.find("report: unchanged"), std::string::npos) << again.err;
 
   // The truth lies beside the capture; only now is it opened.
   const CommandOutcome evaluated =
-      RunCommand({TinyCapture::Command("lfm-evaluate"), tiny.capture().string(),
-                  tiny.work().string(), "--ground-truth", "-q"});
+      RunCommand({SmallCapture::Command("lfm-evaluate"), small.capture().string(),
+                  small.work().string(), "--ground-truth", "-q"});
   ASSERT_EQ(evaluated.status, 0) << evaluated.err;
-  const json with_truth = ReadJson(tiny.work() / "report" / "report.json");
+  const json with_truth = ReadJson(small.work() / "report" / "report.json");
   for (const char* key : {"pose_median_mm", "pose_median_deg", "points_median_mm",
                           "points_completeness", "surface_mean_mm", "surface_p95_mm",
                           "mesh_mean_mm", "mesh_p95_mm", "heldout_psnr_noisefree_db"}) {
@@ -100,7 +100,7 @@ TEST(Pipeline, MakesAModelAndAReportFromTheTinyCapture) {
 }
 
 TEST(Pipeline, InterruptedItGoesOnToTheSameBytes) {
-  const TinyCapture whole, broken;
+  const SmallCapture whole, broken;
   ASSERT_EQ(whole.RunPipeline({"-q", "--to", "encode"}).status, 0);
   int interrupted = 0;
   for (double after : {0.3, 1.0, 2.0, 4.0}) {
@@ -120,17 +120,17 @@ TEST(Pipeline, InterruptedItGoesOnToTheSameBytes) {
 }
 
 TEST(Pipeline, ThreadsDoNotChangeTheResult) {
-  const TinyCapture one, two;
+  const SmallCapture one, two;
   ASSERT_EQ(one.RunPipeline({"-q", "--to", "evaluate", "--threads", "1"}).status, 0);
   ASSERT_EQ(two.RunPipeline({"-q", "--to", "evaluate", "--threads", "2"}).status, 0);
   EXPECT_EQ(HashResults(one.work()), HashResults(two.work()));
 }
 
 TEST(Pipeline, ACaptureThatBringsItsGeometryStartsAtResampling) {
-  const TinyCapture tiny;
-  // The truth of the tiny capture, with the photographs' own files: poses, intrinsics and a mesh.
-  json manifest = ReadJson(tiny.capture() / "ground_truth" / "capture.json");
-  const json original = tiny.Manifest();
+  const SmallCapture small;
+  // The truth of the capture, with the photographs' own files: poses, intrinsics and a mesh.
+  json manifest = ReadJson(small.capture() / "ground_truth" / "capture.json");
+  const json original = small.Manifest();
   for (size_t i = 0; i < manifest["photos"].size(); ++i) {
     manifest["photos"][i]["file"] = original["photos"][i]["file"];
     manifest["photos"][i]["split"] = original["photos"][i]["split"];
@@ -139,27 +139,27 @@ TEST(Pipeline, ACaptureThatBringsItsGeometryStartsAtResampling) {
   manifest["mesh"] = "ground_truth/" + manifest["mesh"].get<std::string>();
   manifest.erase("scanner");
   manifest.erase("board");
-  tiny.SetManifest(manifest);
-  const CommandOutcome outcome = tiny.RunPipeline({"-q"});
+  small.SetManifest(manifest);
+  const CommandOutcome outcome = small.RunPipeline({"-q"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const json report = ReadJson(tiny.work() / "report" / "report.json");
+  const json report = ReadJson(small.work() / "report" / "report.json");
   EXPECT_EQ(report["scan"]["points"], 0);
   EXPECT_GT(report["evaluate"]["heldout_psnr_db"].get<double>(), 20);
 }
 
 TEST(Pipeline, ScoresAnybodysPicturesByTheSameRule) {
-  const TinyCapture tiny;
-  ASSERT_EQ(tiny.RunPipeline({"-q", "--to", "evaluate"}).status, 0);
+  const SmallCapture small;
+  ASSERT_EQ(small.RunPipeline({"-q", "--to", "evaluate"}).status, 0);
   // The photographs themselves must score as a perfect picture.
-  const fs::path images = tiny.work() / "images";
-  for (const json& photo : tiny.Manifest()["photos"]) {
+  const fs::path images = small.work() / "images";
+  for (const json& photo : small.Manifest()["photos"]) {
     if (photo["split"] != "test") continue;
-    WriteImage(ToSrgb8(ReadImage(tiny.capture() / photo["file"].get<std::string>())),
+    WriteImage(ToSrgb8(ReadImage(small.capture() / photo["file"].get<std::string>())),
                images / (photo["id"].get<std::string>() + ".png"));
   }
   const auto evaluate = [&] {
-    return RunCommand({TinyCapture::Command("lfm-evaluate"), tiny.capture().string(),
-                       tiny.work().string(), "--images", images.string(), "-q"});
+    return RunCommand({SmallCapture::Command("lfm-evaluate"), small.capture().string(),
+                       small.work().string(), "--images", images.string(), "-q"});
   };
   const CommandOutcome outcome = evaluate();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -169,10 +169,10 @@ TEST(Pipeline, ScoresAnybodysPicturesByTheSameRule) {
 }
 
 TEST(Pipeline, StagesCanBeNamed) {
-  const TinyCapture tiny;
-  EXPECT_EQ(tiny.RunPipeline({"--from", "mesh", "-q"}).status, 2);  // nothing before it has run
-  EXPECT_EQ(tiny.RunPipeline({"--from", "nonsense", "-q"}).status, 2);
-  EXPECT_EQ(tiny.RunPipeline({"--from", "mesh", "--to", "calib", "-q"}).status, 2);
+  const SmallCapture small;
+  EXPECT_EQ(small.RunPipeline({"--from", "mesh", "-q"}).status, 2);  // nothing before it has run
+  EXPECT_EQ(small.RunPipeline({"--from", "nonsense", "-q"}).status, 2);
+  EXPECT_EQ(small.RunPipeline({"--from", "mesh", "--to", "calib", "-q"}).status, 2);
 }
 
 }  // namespace

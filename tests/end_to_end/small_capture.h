@@ -12,12 +12,11 @@
 
 namespace lfm {
 
-/// A copy of the small capture that lies in sample_data/tiny, to be damaged at will.
-class TinyCapture {
+/// A copy of the small capture that the test run has rendered, to be damaged at will.
+class SmallCapture {
  public:
-  TinyCapture() {
-    std::filesystem::copy(std::filesystem::path(LFM_SOURCE_DIR) / "sample_data" / "tiny", capture(),
-                          std::filesystem::copy_options::recursive);
+  SmallCapture() {
+    std::filesystem::copy(LFM_SMALL_CAPTURE, capture(), std::filesystem::copy_options::recursive);
   }
 
   std::filesystem::path capture() const { return scratch_.folder / "capture"; }
