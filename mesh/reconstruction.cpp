@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kVoxelInCells = 0.5;
 constexpr double kShortestEdgeInCells = 0.3;
-constexpr double kSmallestCellInSpacings = 1.4;
+constexpr double kSmallestCellInSpacings = 0.7;
 constexpr int kShallowest = 5;
 constexpr double kReachInCells = 2.5;
 constexpr double kReachInSpacings = 3;
