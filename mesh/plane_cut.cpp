@@ -110,7 +110,7 @@ std::vector<std::vector<int>> TraceContours(std::map<int, int> next) {
 
 // Points inside the contours' box on a triangular lattice, none so near to the contour that it
 // would make a sliver with an edge.
-std::vector<Eigen::Vector2d> MakeLattice(const std::vector<Eigen::Vector3d>& contour,
+std::vector<Eigen::Vector3d> MakeLattice(const std::vector<Eigen::Vector3d>& contour,
                                          double spacing_mm) {
   const NearestPoints index(contour);
   Eigen::Vector2d low = contour.front().head<2>(), high = low;
@@ -118,17 +118,22 @@ std::vector<Eigen::Vector2d> MakeLattice(const std::vector<Eigen::Vector3d>& con
     low = low.cwiseMin(p.head<2>());
     high = high.cwiseMax(p.head<2>());
   }
-  std::vector<Eigen::Vector2d> lattice;
+  std::vector<Eigen::Vector3d> lattice;
   const double step = 2 * spacing_mm, row_step = step * std::sqrt(0.75);
   for (int row = 0; low.y() + row * row_step < high.y(); ++row) {
     for (int column = 0; low.x() + column * step < high.x(); ++column) {
-      const Eigen::Vector2d x =
-          low + Eigen::Vector2d((column + 0.5 * (row % 2)) * step, row * row_step);
-      const auto near = index.Find({x.x(), x.y(), 0}, 1);
-      if (near.front().distance > 1.05 * spacing_mm) lattice.push_back(x);
+      const Eigen::Vector3d x(low.x() + (column + 0.5 * (row % 2)) * step, low.y() + row * row_step,
+                              0);
+      if (index.Find(x, 1).front().distance > 1.05 * spacing_mm) lattice.push_back(x);
     }
   }
   return lattice;
+}
+
+std::vector<Eigen::Vector2d> Flatten(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<Eigen::Vector2d> flat;
+  for (const Eigen::Vector3d& p : points) flat.push_back(p.head<2>());
+  return flat;
 }
 
 }  // namespace
@@ -146,25 +151,26 @@ TriangleMesh CutAtPlatform(const TriangleMesh& mesh, double spacing_mm) {
   if (part.next_on_contour.empty()) return std::move(part.mesh);
 
   const auto contours = TraceContours(part.next_on_contour);
-  std::vector<int> of_plane;  // the part's vertex for each point of the plane
-  std::vector<Eigen::Vector3d> on_contour;
+  std::vector<int> of_plane;  // the part's vertex for each point of the plane, -1 while unused
+  std::vector<Eigen::Vector3d> points;
   std::vector<std::vector<int>> contours_in_plane;
   for (const std::vector<int>& contour : contours) {
     std::vector<int>& in_plane = contours_in_plane.emplace_back();
     for (const int v : contour) {
       in_plane.push_back(static_cast<int>(of_plane.size()));
       of_plane.push_back(v);
-      on_contour.push_back(part.mesh.vertices[v]);
+      points.push_back(part.mesh.vertices[v]);
     }
   }
-  std::vector<Eigen::Vector2d> points;
-  for (const Eigen::Vector3d& p : on_contour) points.push_back(p.head<2>());
-  for (const Eigen::Vector2d& x : MakeLattice(on_contour, spacing_mm)) {
-    points.push_back(x);
-    of_plane.push_back(static_cast<int>(part.mesh.vertices.size()));
-    part.mesh.vertices.emplace_back(x.x(), x.y(), 0);
-  }
-  for (const Eigen::Vector3i& t : FillContours(points, contours_in_plane)) {
+  const std::vector<Eigen::Vector3d> lattice = MakeLattice(points, spacing_mm);
+  points.insert(points.end(), lattice.begin(), lattice.end());
+  of_plane.resize(points.size(), -1);
+  for (const Eigen::Vector3i& t : FillContours(Flatten(points), contours_in_plane)) {
+    for (int k = 0; k < 3; ++k) {
+      if (of_plane[t[k]] >= 0) continue;
+      of_plane[t[k]] = static_cast<int>(part.mesh.vertices.size());
+      part.mesh.vertices.push_back(points[t[k]]);
+    }
     part.mesh.triangles.emplace_back(of_plane[t[0]], of_plane[t[2]], of_plane[t[1]]);
   }
   return std::move(part.mesh);

@@ -23,7 +23,7 @@ TEST(DecimationTarget, CountIsHit) {
 }
 
 TEST(DecimationTarget, ToleranceIsHeldAndNoCoarserMeshHoldsIt) {
-  const TriangleMesh surface = test::MakeTorus(30, 10, 10, 200, 80);
+  const TriangleMesh surface = test::MakeTorus(30, 10, 10, 140, 56);
   const double tolerance = 0.15;
   const DecimatedMesh best = DecimateToTolerance(surface, tolerance, SilentProgress());
   EXPECT_LE(best.deviation.WorseP95(), tolerance);
@@ -39,7 +39,7 @@ TEST(DecimationTarget, ToleranceIsHeldAndNoCoarserMeshHoldsIt) {
 }
 
 TEST(DecimationTarget, TighterToleranceNeedsMoreTriangles) {
-  const TriangleMesh surface = test::MakeSphere(30, 5, {0, 0, 30});
+  const TriangleMesh surface = test::MakeSphere(30, 4, {0, 0, 30});
   size_t fewer = 0;
   for (const double tolerance : {1.0, 0.3, 0.1}) {
     const auto result = DecimateToTolerance(surface, tolerance, SilentProgress());

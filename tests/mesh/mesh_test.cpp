@@ -16,7 +16,7 @@ using test::ErrorOf;
 
 const Eigen::Vector3d kCenter(0, 0, 30);
 
-PointCloud Capture(int count = 60000) {
+PointCloud Capture(int count = 30000) {
   PointCloud cloud = test::MeasureCloud(test::MakeSphere(30, 5, kCenter), count);
   test::AddPlatform(cloud, 8000, 90, 32, 0.1, 2);
   test::AddOutliers(cloud, 100, 90, 90, 3);
