@@ -15,6 +15,7 @@ namespace lfm {
 namespace {
 
 constexpr double kInvisible = 0.5 / 255;
+constexpr double kPcaTolerance = 1e-6;
 constexpr int kProductWidth = 8;  // the narrowest that the kernels multiply
 
 struct Extent {
@@ -28,7 +29,7 @@ struct Extent {
 
 // A term's maps as the decoder will see them, and F^T u, from which errors follow without F.
 struct DecodedTerm {
-  std::vector<float> surface;   // M
+  std::vector<float> surface;   // M; 0 in triangles that nobody saw: no data to fit
   std::vector<float> view;      // 3N, channels outer
   std::vector<double> product;  // F^T surface, 3N
 };
@@ -79,6 +80,32 @@ Subspace MakeContinuousSubspace(const VertexOperator& f, const LinearMap& scaled
   return space;
 }
 
+// Triangles that nobody saw go on as the rest of the ring does on average: c times the hat
+// function, c being the least squares ratio of map to hat where it was measured. Their edges stay
+// shared.
+void ContinueIntoUnseen(const VertexOperator& f, const SharedSamples& shared,
+                        std::vector<float>& u) {
+  double product = 0, norm = 0;
+  std::vector<PatchValues> patches;
+  for (const RingBlock& block : f.blocks) {
+    patches.push_back({u.data() + block.first_row, block.views > 0});
+    if (block.views == 0) continue;
+    for (int s = 0; s < block.samples; ++s) {
+      product += static_cast<double>(u[block.first_row + s]) * block.hat[s];
+      norm += static_cast<double>(block.hat[s]) * block.hat[s];
+    }
+  }
+  bool any_unseen = false;
+  for (const RingBlock& block : f.blocks) {
+    if (block.views > 0) continue;
+    any_unseen = true;
+    for (int s = 0; s < block.samples; ++s) {
+      u[block.first_row + s] = static_cast<float>(product / norm) * block.hat[s];
+    }
+  }
+  if (any_unseen) MakeContinuous(shared, 1, patches);
+}
+
 // Values of the map, and of the completions beyond the hypotenuse that the gutters will hold.
 Extent SurfaceExtent(const VertexOperator& f, const std::vector<float>& u) {
   Extent extent;
@@ -110,9 +137,12 @@ void QuantizeSurface(const VertexOperator& f, const SharedSamples& shared,
     patches.push_back(maps.surface_codes.data() + block.first_row);
   }
   MakeCodesContinuous(shared, 1, patches);
-  decoded.surface.resize(u.size());
-  for (size_t row = 0; row < u.size(); ++row) {
-    decoded.surface[row] = DecodeValue(maps.surface_range, maps.surface_codes[row]);
+  decoded.surface.assign(u.size(), 0.f);
+  for (const RingBlock& block : f.blocks) {
+    if (block.views == 0) continue;
+    for (int row = block.first_row; row < block.first_row + block.samples; ++row) {
+      decoded.surface[row] = DecodeValue(maps.surface_range, maps.surface_codes[row]);
+    }
   }
 }
 
@@ -215,8 +245,8 @@ struct Candidate {
   Extent extent;
   AlphaSplit split;
 };
-std::optional<Candidate> NextTerm(const VertexOperator& f, const Subspace& space,
-                                  const std::vector<float>& remainder,
+std::optional<Candidate> NextTerm(const VertexOperator& f, const SharedSamples& shared,
+                                  const Subspace& space, const std::vector<float>& remainder,
                                   const std::vector<float>& column_scale) {
   Eigen::VectorXf mix = LeadingMix(remainder, f.cols(), space.width);
   Candidate next;
@@ -233,6 +263,7 @@ std::optional<Candidate> NextTerm(const VertexOperator& f, const Subspace& space
   for (size_t col = 0; col < view.size(); ++col) {
     view_extent.Include(view[col] / column_scale[col % column_scale.size()]);
   }
+  ContinueIntoUnseen(f, shared, next.surface);
   next.extent = SurfaceExtent(f, next.surface);
   const double max_u = next.extent.max_abs(), max_v = view_extent.max_abs();
   if (!(max_u * max_v > kInvisible)) return std::nullopt;
@@ -268,7 +299,7 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   result.energy = result.squared_error = energies.plain;
   result.singular_value_share.assign(options.terms, 0.0);
   const LinearMap scaled = ScaledMap(f, column_scale);
-  PcaResult pca = ComputePca(scaled, {.terms = options.terms});
+  PcaResult pca = ComputePca(scaled, {.terms = options.terms, .tolerance = kPcaTolerance});
   for (int k = 0; k < pca.terms && energies.scaled > 0; ++k) {
     result.singular_value_share[k] =
         pca.singular_values[k] * pca.singular_values[k] / energies.scaled;
@@ -279,7 +310,7 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   std::vector<float> remainder = space.right;
   std::vector<DecodedTerm> decoded;
   for (int k = 0; k < terms; ++k) {
-    const auto next = NextTerm(f, space, remainder, column_scale);
+    const auto next = NextTerm(f, shared, space, remainder, column_scale);
     if (!next) break;
     TermMaps maps;
     DecodedTerm term;

@@ -41,6 +41,9 @@ struct FactorizationOptions {
 /// all view maps are fitted once more, together. `shared` lists the shared samples of the ring
 /// (patches in the order of the blocks).
 ///
+/// In triangles that nobody saw the maps go on as the rest of the ring does on average; they do not
+/// enter the fit or the figures.
+///
 /// A column (direction) counts with guessed_weight + (1 - guessed_weight) * (share of the ring's
 /// samples whose triangle has it inside the hull of its photographs). Terms end when the largest
 /// value that the next could add is below half an 8-bit level. No energy: no terms.

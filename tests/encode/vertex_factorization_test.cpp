@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "encode/pca.h"
@@ -240,6 +241,41 @@ TEST_F(VertexFactorization, RankOneNeedsOneTerm) {
   EXPECT_GT(result.singular_value_share[0], 0.999);
   const VertexTerms one = FactorizeVertex(ring.f, ring.shared, {.terms = 1});
   EXPECT_LT(255 * std::sqrt(one.squared_error / static_cast<double>(one.entries)), 1.0);
+}
+
+// A hole in the ring: the fit of the rest must not suffer, and the maps must not drop to zero in
+// it.
+TEST_F(VertexFactorization, GoesOnIntoTrianglesThatNobodySaw) {
+  const Ring whole = MakeRing(field_, 4);
+  VertexOperator f = whole.f;
+  RingBlock& hole = f.blocks[1];
+  hole.views = 0;
+  hole.centred.clear();
+  hole.view.clear();
+  hole.weight.clear();
+  hole.seen.clear();
+  const VertexTerms result = FactorizeVertex(f, whole.shared, {.terms = 1, .guessed_weight = 1});
+  ASSERT_EQ(result.terms.size(), 1u);
+  const TermMaps& maps = result.terms[0];
+  double inside = 0, elsewhere = 0, hat_inside = 0, hat_elsewhere = 0;
+  for (const RingBlock& block : f.blocks) {
+    for (int s = 0; s < block.samples; ++s) {
+      const double g = DecodeValue(maps.surface_range, maps.surface_codes[block.first_row + s]);
+      (block.views == 0 ? inside : elsewhere) += g * block.hat[s];
+      (block.views == 0 ? hat_inside : hat_elsewhere) += block.hat[s] * block.hat[s];
+    }
+  }
+  EXPECT_NEAR(inside / hat_inside, elsewhere / hat_elsewhere,
+              0.5 * std::abs(elsewhere / hat_elsewhere));
+  Ring ring{f, whole.shared, whole.dense};
+  ring.dense.middleRows(hole.first_row, hole.samples).setZero();
+  Eigen::MatrixXd decoded = Decoded(ring, result.terms, 1);
+  decoded.middleRows(hole.first_row, hole.samples).setZero();
+  const double error = (ring.dense - decoded).squaredNorm();
+  EXPECT_NEAR(result.squared_error, error, 1e-5 * ring.dense.squaredNorm());
+  const double best = ring.dense.squaredNorm() -
+                      std::pow(Eigen::BDCSVD<Eigen::MatrixXd>(ring.dense).singularValues()[0], 2);
+  EXPECT_LE(error, 1.2 * best);
 }
 
 TEST_F(VertexFactorization, NothingToSeeGivesNoTerms) {
