@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +36,12 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
                                         const ImageLoader& load_image, StartQuality start,
                                         const CalibOptions& options, Progress& progress);
 
-/// The refined corners of a picture as the adjustment takes them.
-BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners);
+/// Median of the standard deviations of the corners of `pictures`; 0 when there are none.
+double MedianSigma(std::span<const CalibPicture> pictures);
+
+/// The refined corners of a picture as the adjustment takes them: weighted by the inverse of their
+/// standard deviations, 1 at `reference_sigma_px`, at most 2, at least 0.05; all 1 when it is 0.
+BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners,
+                         double reference_sigma_px);
 
 }  // namespace lfm
