@@ -2,10 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -72,24 +69,9 @@ class BoardPrint {
   /// Throws Error when the board is not valid.
   explicit BoardPrint(const Board& board);
   /// A point that is not finite lies outside the plate.
-  double Value(const Eigen::Vector2d& point_mm) const {
-    // Written so that NaN falls outside.
-    if (!(DistanceToPlateEdge(point_mm) >= 0)) return -1;
-    const int distance = RasterAt(point_mm);
-    return distance != 0 ? (distance > 0 ? 1 : 0) : ExactValue(point_mm);
-  }
+  double Value(const Eigen::Vector2d& point_mm) const;
   /// A radius (mm, often 0, never too large) within which Value is the same all round; 0 outside.
-  double UniformRadius(const Eigen::Vector2d& point_mm) const {
-    if (!(DistanceToPlateEdge(point_mm) >= 0)) return 0;
-    return std::max(0, std::abs(RasterAt(point_mm)) - 1) / raster_per_mm_;
-  }
-  /// How far inside the plate a point lies, mm; negative outside, NaN when it is not finite.
-  double DistanceToPlateEdge(const Eigen::Vector2d& point_mm) const {
-    const double x = half_size_mm_.x() - std::abs(point_mm.x());
-    const double y = half_size_mm_.y() - std::abs(point_mm.y());
-    // The sum carries what is not finite past the comparison.
-    return std::min(x, y) + 0 * (x + y);
-  }
+  double UniformRadius(const Eigen::Vector2d& point_mm) const;
 
  private:
   struct PlacedTag {
@@ -104,14 +86,8 @@ class BoardPrint {
   bool InkOfTag(const PlacedTag& tag, const Eigen::Vector2d& point_mm) const;
   bool InkOfChecker(const Eigen::Vector2d& point_mm) const;
   size_t GridCell(const Eigen::Vector2d& point_mm) const;
-  int RasterAt(const Eigen::Vector2d& point_mm) const {
-    const int column = static_cast<int>((point_mm.x() + half_size_mm_.x()) * raster_per_mm_);
-    const int row = static_cast<int>((point_mm.y() + half_size_mm_.y()) * raster_per_mm_);
-    return raster_[static_cast<size_t>(row) * raster_columns_ + column];
-  }
 
   Board board_;
-  Eigen::Vector2d half_size_mm_;
   std::vector<PlacedTag> tags_;
   int cells_per_black_square_ = 0;
   /// Grid over the plate, row by row from the lowest y: the tags that reach into each grid cell are

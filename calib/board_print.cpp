@@ -19,8 +19,7 @@ double DistanceToWhole(double x) { return std::abs(x - std::round(x)); }
 
 }  // namespace
 
-BoardPrint::BoardPrint(const Board& board)
-    : board_(board), half_size_mm_(board.width_mm / 2, board.height_mm / 2) {
+BoardPrint::BoardPrint(const Board& board) : board_(board) {
   ValidateBoard(board, board.name.empty() ? "board" : board.name);
   tags_ = PlaceTags();
   FillGrid();
@@ -168,6 +167,26 @@ double BoardPrint::ExactValue(const Eigen::Vector2d& point_mm) const {
     if (InkOfTag(tags_[grid_tags_[i]], point_mm)) return 0;
   }
   return InkOfChecker(point_mm) ? 0 : 1;
+}
+
+double BoardPrint::Value(const Eigen::Vector2d& point_mm) const {
+  const double x = point_mm.x() + board_.width_mm / 2, y = point_mm.y() + board_.height_mm / 2;
+  // Written so that NaN falls outside.
+  if (!(x >= 0 && y >= 0 && x <= board_.width_mm && y <= board_.height_mm)) return -1;
+  const int column = static_cast<int>(x * raster_per_mm_);
+  const int row = static_cast<int>(y * raster_per_mm_);
+  const int distance = raster_[static_cast<size_t>(row) * raster_columns_ + column];
+  if (distance != 0) return distance > 0 ? 1 : 0;
+  return ExactValue(point_mm);
+}
+
+double BoardPrint::UniformRadius(const Eigen::Vector2d& point_mm) const {
+  const double x = point_mm.x() + board_.width_mm / 2, y = point_mm.y() + board_.height_mm / 2;
+  if (!(x >= 0 && y >= 0 && x <= board_.width_mm && y <= board_.height_mm)) return 0;
+  const int column = static_cast<int>(x * raster_per_mm_);
+  const int row = static_cast<int>(y * raster_per_mm_);
+  const int distance = raster_[static_cast<size_t>(row) * raster_columns_ + column];
+  return std::max(0, std::abs(distance) - 1) / raster_per_mm_;
 }
 
 }  // namespace lfm

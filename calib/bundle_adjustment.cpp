@@ -37,10 +37,8 @@ Camera UnpackIntrinsics(const Camera& frame, const std::array<double, kIntrinsic
 
 // Brown's model of core/camera.h, without its "no answer": an optimiser needs a cost everywhere.
 struct CornerError {
-  CornerError(const BundleView& view, size_t corner)
-      : rotated(view.camera_from_world.rotation * view.points[corner]),
-        pixel(view.pixels[corner]),
-        weight(view.Weight(corner)) {}
+  CornerError(const Pose& base, const Eigen::Vector3d& point, const Eigen::Vector2d& seen)
+      : rotated(base.rotation * point), pixel(seen) {}
 
   template <typename T>
   bool operator()(const T* intrinsics, const T* pose, T* residual) const {
@@ -58,14 +56,13 @@ struct CornerError {
     const T &p1 = intrinsics[6], &p2 = intrinsics[7];
     const T xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
     const T yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-    residual[0] = weight * (intrinsics[0] * xd + intrinsics[2] - pixel.x());
-    residual[1] = weight * (intrinsics[1] * yd + intrinsics[3] - pixel.y());
+    residual[0] = intrinsics[0] * xd + intrinsics[2] - pixel.x();
+    residual[1] = intrinsics[1] * yd + intrinsics[3] - pixel.y();
     return true;
   }
 
   Eigen::Vector3d rotated;
   Eigen::Vector2d pixel;
-  double weight;
 };
 
 using CornerCost = ceres::AutoDiffCostFunction<CornerError, 2, kIntrinsics, 6>;
@@ -104,7 +101,8 @@ void AddCorners(const BundleView& view, ceres::CauchyLoss& loss,
                 std::array<double, kIntrinsics>& intrinsics, std::array<double, 6>& pose,
                 ceres::Problem& problem) {
   for (size_t i = 0; i < view.points.size(); ++i) {
-    auto* cost = new CornerCost(new CornerError(view, i));
+    auto* cost =
+        new CornerCost(new CornerError(view.camera_from_world, view.points[i], view.pixels[i]));
     problem.AddResidualBlock(cost, &loss, intrinsics.data(), pose.data());
   }
 }
@@ -117,7 +115,6 @@ void CheckStart(const Camera& camera, const std::vector<BundleView>& views) {
              view.camera_from_world.translation.allFinite();
     for (const Eigen::Vector3d& p : view.points) finite = finite && p.allFinite();
     for (const Eigen::Vector2d& p : view.pixels) finite = finite && p.allFinite();
-    for (const double w : view.weights) finite = finite && std::isfinite(w) && w > 0;
   }
   if (!finite) throw Error("bundle adjustment: the start is not finite", ErrorKind::kSystem);
 }
@@ -198,7 +195,8 @@ BundleInformation ComputeInformation(const Camera& camera, const std::vector<Bun
     const std::array<double, 6> pose = PackPose(view.camera_from_world);
     const double* parameters[] = {intrinsics.data(), pose.data()};
     for (size_t i = 0; i < view.points.size(); ++i) {
-      const CornerCost cost(new CornerError(view, i));
+      const CornerCost cost(
+          new CornerError(view.camera_from_world, view.points[i], view.pixels[i]));
       double residual[2];
       RowMajor29 by_camera;
       RowMajor26 by_pose;

@@ -15,11 +15,6 @@ struct BundleView {
   Pose camera_from_world;
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
-  /// What each error is multiplied by, > 0: inversely proportional to its standard deviation.
-  /// Empty: all 1.
-  std::vector<double> weights;
-
-  double Weight(size_t corner) const { return weights.empty() ? 1 : weights[corner]; }
 };
 
 /// Which intrinsics an adjustment may move.
@@ -30,7 +25,7 @@ enum class FreeIntrinsics {
 
 struct BundleOptions {
   FreeIntrinsics free = FreeIntrinsics::kAll;
-  double robust_scale_px = 0.5;  ///< scale s of the Cauchy loss s^2 log(1 + |w r|^2 / s^2)
+  double robust_scale_px = 0.5;  ///< scale s of the Cauchy loss s^2 log(1 + |r|^2 / s^2)
   int max_iterations = 100;
 };
 
@@ -50,12 +45,12 @@ BundleResult AdjustBundle(const Camera& camera, const std::vector<BundleView>& v
 /// The same for the pose of one picture, the camera held. A view without corners keeps its pose.
 Pose AdjustPose(const Camera& camera, const BundleView& view, double robust_scale_px);
 
-/// Pixel errors (measured minus projected, without weights), one a corner; no value where the point
-/// does not project.
+/// Pixel errors (measured minus projected), one a corner; no value where the point does not
+/// project.
 std::vector<std::optional<Eigen::Vector2d>> ReprojectionErrors(const Camera& camera,
                                                                const BundleView& view);
 
-/// Curvature of the squared weighted error at a solution: what covariances are made of.
+/// Curvature of the squared error at a solution: what covariances are made of.
 struct BundleInformation {
   /// J^T J of each view's pose (rotation vector applied on the left, translation), intrinsics held.
   std::vector<Eigen::Matrix<double, 6, 6>> poses;

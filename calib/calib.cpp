@@ -12,8 +12,6 @@
 namespace lfm {
 namespace {
 
-constexpr int kIntrinsics = 9;
-
 // Corners are searched from rough poses first; once more from good ones, where the print is
 // rendered with the right lens.
 constexpr StartQuality kRounds[] = {StartQuality::kRough, StartQuality::kGood};
@@ -43,14 +41,8 @@ CameraAdjustment CalibrateCamera(std::vector<CalibPicture> pictures, const std::
   return adjustment;
 }
 
-/// How well the corners of one camera are seen.
-struct CornerNoise {
-  double reference_sigma_px = 0;  ///< predicted for a corner of weight 1
-  CornerStatistics observed;
-};
-
-PosedImage MakePosedImage(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners,
-                          const Camera& camera, const CornerNoise& noise) {
+PosedImage MakePosedImage(const CalibPicture& picture, const BundleView& view, const Camera& camera,
+                          double noise_px) {
   PosedImage posed;
   posed.id = picture.id;
   posed.camera = picture.camera;
@@ -59,30 +51,25 @@ PosedImage MakePosedImage(const CalibPicture& picture, const std::vector<Eigen::
   posed.tags = picture.match.tags;
   posed.corners = static_cast<int>(picture.corners.size());
   posed.split = picture.split;
-  const BundleView view = ViewOfCorners(picture, corners, noise.reference_sigma_px);
   const CornerStatistics statistics = ComputeCornerStatistics(camera, {view}, 0);
   posed.reprojection_rms_px =
       std::sqrt(statistics.squared_px2 / static_cast<double>(statistics.corners));
   posed.covariance =
-      CovarianceFromInformation(ComputeInformation(camera, {view}).poses[0],
-                                noise.observed.unit_noise_px * noise.observed.unit_noise_px);
+      CovarianceFromInformation(ComputeInformation(camera, {view}).poses[0], noise_px * noise_px);
   return posed;
 }
 
-CornerNoise ExamineCamera(const CameraAdjustment& adjustment, const std::string& name,
-                          const std::vector<Eigen::Vector3d>& corners, bool intrinsics_known) {
-  const std::vector<CalibPicture> training = TrainingPictures(adjustment.pictures, name);
-  CornerNoise noise;
-  noise.reference_sigma_px = MedianSigma(training);
+double NoiseOfCamera(const CameraAdjustment& adjustment, const std::string& name,
+                     const std::vector<Eigen::Vector3d>& corners, bool intrinsics_known) {
   std::vector<BundleView> views;
-  for (const CalibPicture& picture : training) {
-    views.push_back(ViewOfCorners(picture, corners, noise.reference_sigma_px));
+  for (const CalibPicture& picture : adjustment.pictures) {
+    if (picture.InUse() && picture.camera == name && picture.split == PhotoSplit::kTrain) {
+      views.push_back(ViewOfCorners(picture, corners));
+    }
   }
-  noise.observed =
-      ComputeCornerStatistics(adjustment.camera, views, intrinsics_known ? 0 : kIntrinsics);
-  if (!intrinsics_known) {
-    CheckFocalObservable(name, adjustment.camera, views, noise.observed.unit_noise_px);
-  }
+  const double noise =
+      ComputeCornerStatistics(adjustment.camera, views, intrinsics_known ? 0 : 9).noise_px;
+  if (!intrinsics_known) CheckFocalObservable(name, adjustment.camera, views, noise);
   return noise;
 }
 
@@ -101,14 +88,14 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
   pictures = FindBoards(std::move(pictures), capture, board, load_image, progress);
   const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
   CalibResult result;
-  std::map<std::string, CornerNoise> noise_of_camera;
+  std::map<std::string, double> noise_of_camera;
   for (const auto& [name, given] : capture.cameras) {
     const bool used = std::any_of(pictures.begin(), pictures.end(),
                                   [&](const CalibPicture& p) { return p.camera == name; });
     if (!used) continue;
     CameraAdjustment adjustment =
         CalibrateCamera(std::move(pictures), name, capture, board, load_image, checked, progress);
-    noise_of_camera[name] = ExamineCamera(adjustment, name, corners, given.intrinsics.has_value());
+    noise_of_camera[name] = NoiseOfCamera(adjustment, name, corners, given.intrinsics.has_value());
     result.cameras[name] = adjustment.camera;
     pictures = std::move(adjustment.pictures);
   }
@@ -119,9 +106,9 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
       result.rejected.push_back({picture.id, picture.file, picture.rejected});
       continue;
     }
-    const CornerNoise& noise = noise_of_camera.at(picture.camera);
-    const PosedImage posed =
-        MakePosedImage(picture, corners, result.cameras.at(picture.camera), noise);
+    const double noise = noise_of_camera.at(picture.camera);
+    const PosedImage posed = MakePosedImage(picture, ViewOfCorners(picture, corners),
+                                            result.cameras.at(picture.camera), noise);
     if (picture.kind == PictureKind::kScan) {
       result.scans.push_back(posed);
     } else if (picture.kind == PictureKind::kPlacement) {
@@ -129,7 +116,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
     } else {
       result.photos.push_back(posed);
       squared += posed.reprojection_rms_px * posed.reprojection_rms_px * posed.corners;
-      noise_squared += noise.observed.noise_px * noise.observed.noise_px * posed.corners;
+      noise_squared += noise * noise * posed.corners;
       count += posed.corners;
     }
   }

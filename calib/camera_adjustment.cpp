@@ -62,7 +62,7 @@ std::vector<Eigen::Vector3d> OnPlate(const std::vector<Eigen::Vector2d>& points_
 }
 
 BundleView ViewOfTags(const CalibPicture& picture) {
-  return {picture.camera_from_world, OnPlate(picture.match.points_mm), picture.match.pixels, {}};
+  return {picture.camera_from_world, OnPlate(picture.match.points_mm), picture.match.pixels};
 }
 
 Camera AdjustToTags(const Camera& camera, std::vector<CalibPicture>& pictures,
@@ -77,15 +77,13 @@ Camera AdjustToTags(const Camera& camera, std::vector<CalibPicture>& pictures,
   return result.camera;
 }
 
-// Of weighted errors: one standard deviation for corners that are seen well and badly.
 double RobustSigma(const Camera& camera, const std::vector<BundleView>& views) {
   std::vector<double> magnitudes;
   for (const BundleView& view : views) {
-    const auto errors = ReprojectionErrors(camera, view);
-    for (size_t i = 0; i < errors.size(); ++i) {
-      if (!errors[i]) continue;
-      magnitudes.push_back(view.Weight(i) * std::abs(errors[i]->x()));
-      magnitudes.push_back(view.Weight(i) * std::abs(errors[i]->y()));
+    for (const auto& error : ReprojectionErrors(camera, view)) {
+      if (!error) continue;
+      magnitudes.push_back(std::abs(error->x()));
+      magnitudes.push_back(std::abs(error->y()));
     }
   }
   if (magnitudes.empty()) return 0;
@@ -95,15 +93,17 @@ double RobustSigma(const Camera& camera, const std::vector<BundleView>& views) {
 }
 
 // Keeps the corners that a picture's own noise explains, then judges what is left.
-CalibPicture DropOutliers(CalibPicture picture, const Camera& camera, const BundleView& view,
-                          double common_sigma_px, const CalibOptions& options) {
+CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
+                          const std::vector<Eigen::Vector3d>& corners, double common_sigma_px,
+                          const CalibOptions& options) {
+  const BundleView view = ViewOfCorners(picture, corners);
   const double limit =
       kOutlierSigmas * std::max(common_sigma_px, RobustSigma(camera, {view})) + 1e-9;
   const auto errors = ReprojectionErrors(camera, view);
   std::vector<CornerObservation> kept;
   double squared = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
-    if (!errors[i] || view.Weight(i) * errors[i]->norm() > limit) continue;
+    if (!errors[i] || errors[i]->norm() > limit) continue;
     kept.push_back(picture.corners[i]);
     squared += errors[i]->squaredNorm();
   }
@@ -127,10 +127,7 @@ CameraAdjustment AdjustOnce(CameraAdjustment adjustment, const std::string& came
   const std::vector<size_t> selected =
       SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain);
   std::vector<BundleView> views;
-  const double reference = MedianSigma(TrainingPictures(adjustment.pictures, camera_name));
-  for (const size_t i : selected) {
-    views.push_back(ViewOfCorners(adjustment.pictures[i], corners, reference));
-  }
+  for (const size_t i : selected) views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
   if (known) {
     for (size_t v = 0; v < views.size(); ++v) {
       adjustment.pictures[selected[v]].camera_from_world =
@@ -203,14 +200,11 @@ CameraAdjustment AdjustCamera(CameraAdjustment adjustment, const std::string& ca
   const std::vector<size_t> selected =
       SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain);
   std::vector<BundleView> views;
-  const double reference = MedianSigma(TrainingPictures(adjustment.pictures, camera_name));
-  for (const size_t i : selected) {
-    views.push_back(ViewOfCorners(adjustment.pictures[i], corners, reference));
-  }
+  for (const size_t i : selected) views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
   const double sigma = RobustSigma(adjustment.camera, views);
-  for (size_t v = 0; v < selected.size(); ++v) {
-    CalibPicture& picture = adjustment.pictures[selected[v]];
-    picture = DropOutliers(std::move(picture), adjustment.camera, views[v], sigma, options);
+  for (const size_t i : selected) {
+    CalibPicture& picture = adjustment.pictures[i];
+    picture = DropOutliers(std::move(picture), adjustment.camera, corners, sigma, options);
   }
   return AdjustOnce(std::move(adjustment), camera_name, corners, known, options);
 }
@@ -220,44 +214,28 @@ std::vector<CalibPicture> AdjustTestPoses(std::vector<CalibPicture> pictures,
                                           const Board& board, const CalibOptions& options) {
   const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
   for (const size_t i : SelectPictures(pictures, camera_name, PhotoSplit::kTest)) {
-    const double reference = MedianSigma({&pictures[i], 1});
-    CalibPicture picture = DropOutliers(pictures[i], camera,
-                                        ViewOfCorners(pictures[i], corners, reference), 0, options);
+    CalibPicture picture = DropOutliers(pictures[i], camera, corners, 0, options);
     picture.camera_from_world =
-        AdjustPose(camera, ViewOfCorners(picture, corners, reference), options.robust_scale_px);
+        AdjustPose(camera, ViewOfCorners(picture, corners), options.robust_scale_px);
     pictures[i] = std::move(picture);
   }
   return pictures;
 }
 
-std::vector<CalibPicture> TrainingPictures(const std::vector<CalibPicture>& pictures,
-                                           const std::string& camera_name) {
-  std::vector<CalibPicture> training;
-  for (const size_t i : SelectPictures(pictures, camera_name, PhotoSplit::kTrain)) {
-    training.push_back(pictures[i]);
-  }
-  return training;
-}
-
 CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector<BundleView>& views,
                                          int fitted_intrinsics) {
   CornerStatistics statistics;
-  double unknowns = fitted_intrinsics, weighted_squared = 0;
+  double unknowns = fitted_intrinsics;
   for (const BundleView& view : views) {
-    const auto errors = ReprojectionErrors(camera, view);
-    for (size_t i = 0; i < errors.size(); ++i) {
-      if (!errors[i]) continue;
+    for (const auto& error : ReprojectionErrors(camera, view)) {
+      if (!error) continue;
       ++statistics.corners;
-      statistics.squared_px2 += errors[i]->squaredNorm();
-      weighted_squared += view.Weight(i) * view.Weight(i) * errors[i]->squaredNorm();
+      statistics.squared_px2 += error->squaredNorm();
     }
     unknowns += view.points.empty() ? 0 : 6;
   }
   const double freedom = 2.0 * static_cast<double>(statistics.corners) - unknowns;
-  if (freedom > 0) {
-    statistics.noise_px = std::sqrt(statistics.squared_px2 / freedom);
-    statistics.unit_noise_px = std::sqrt(weighted_squared / freedom);
-  }
+  statistics.noise_px = freedom > 0 ? std::sqrt(statistics.squared_px2 / freedom) : 0;
   return statistics;
 }
 

@@ -47,16 +47,10 @@ std::vector<CalibPicture> AdjustTestPoses(std::vector<CalibPicture> pictures,
 struct CornerStatistics {
   int64_t corners = 0;
   double squared_px2 = 0;  ///< sum of squared errors, both coordinates
-  /// Standard deviation of a coordinate, unbiased by the fitted unknowns; of the average corner,
-  /// and of a corner of weight 1.
-  double noise_px = 0, unit_noise_px = 0;
+  double noise_px = 0;     ///< standard deviation of a coordinate, unbiased by the fitted unknowns
 };
 CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector<BundleView>& views,
                                          int fitted_intrinsics);
-
-/// Training pictures in use of one camera.
-std::vector<CalibPicture> TrainingPictures(const std::vector<CalibPicture>& pictures,
-                                           const std::string& camera_name);
 
 /// Throws Error when the pictures do not determine the focal length to 2 % at the given noise: all
 /// were taken from straight above, say.

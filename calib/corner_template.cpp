@@ -34,30 +34,6 @@ double BlurredBoxQuantile(double probability, double sigma) {
   return (low + high) / 2;
 }
 
-// o = slope n + curvature (nx^2, nx ny, ny^2): pixels round a point, by normalised coordinates.
-struct LensTaylor {
-  Eigen::Matrix2d slope;
-  Eigen::Matrix<double, 2, 3> curvature;
-};
-
-LensTaylor ExpandLens(const Camera& camera, const Eigen::Vector2d& normalized) {
-  // Wide enough for second differences in double precision, narrow against the lens's third order.
-  constexpr double kStep = 1e-3;
-  const auto at = [&](double dx, double dy) -> Eigen::Vector2d {
-    const Eigen::Vector2d d = Distort(camera, normalized + kStep * Eigen::Vector2d(dx, dy));
-    return {camera.fx * d.x(), camera.fy * d.y()};
-  };
-  const Eigen::Vector2d here = at(0, 0), right = at(1, 0), left = at(-1, 0), below = at(0, 1),
-                        above = at(0, -1);
-  LensTaylor lens;
-  lens.slope.col(0) = (right - left) / (2 * kStep);
-  lens.slope.col(1) = (below - above) / (2 * kStep);
-  lens.curvature.col(0) = (right - 2 * here + left) / (2 * kStep * kStep);
-  lens.curvature.col(1) = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / (4 * kStep * kStep);
-  lens.curvature.col(2) = (below - 2 * here + above) / (2 * kStep * kStep);
-  return lens;
-}
-
 }  // namespace
 
 PixelFootprint MakePixelFootprint(double blur_px) {
@@ -68,7 +44,7 @@ PixelFootprint MakePixelFootprint(double blur_px) {
     footprint.offsets.emplace_back(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
     footprint.reach = std::max(footprint.reach, footprint.offsets.back().norm());
   }
-  footprint.tail = std::max(footprint.reach, 0.7072 + 3.5 * blur_px);
+  footprint.tail = 0.5 + 3.5 * blur_px;
   return footprint;
 }
 
@@ -77,48 +53,45 @@ std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_
   const Eigen::Vector3d point = camera_from_world * board_point;
   const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
   if (!pixel || !camera.Contains(*pixel)) return std::nullopt;
-  LocalView view;
-  view.pixel = *pixel;
-  view.normalized = point.hnormalized();
-  const LensTaylor lens = ExpandLens(camera, view.normalized);
-  view.normalized_by_pixel = lens.slope.inverse();
-  // n = A o - A H(A o): the inverse of o = L n + H(n) to second order.
-  const Eigen::Matrix2d& a = view.normalized_by_pixel;
-  const double ax = a(0, 0), bx = a(0, 1), ay = a(1, 0), by = a(1, 1);
-  Eigen::Matrix3d monomials;                   // of A o, in those of o
-  monomials << ax * ax, 2 * ax * bx, bx * bx,  //
-      ax * ay, ax * by + bx * ay, bx * by,     //
-      ay * ay, 2 * ay * by, by * by;
-  view.curvature = -a * lens.curvature * monomials;
+  const Eigen::Vector2d normalized = point.hnormalized();
+  constexpr double kStep = 1e-5;
+  Eigen::Matrix2d pixel_by_normalized;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector2d step = Eigen::Vector2d::Unit(i) * kStep;
+    const Eigen::Vector2d slope =
+        (Distort(camera, normalized + step) - Distort(camera, normalized - step)) / (2 * kStep);
+    pixel_by_normalized.col(i) = slope.cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
+  }
+  Eigen::Matrix3d normalized_from_offset = Eigen::Matrix3d::Identity();
+  normalized_from_offset.topLeftCorner<2, 2>() = pixel_by_normalized.inverse();
+  normalized_from_offset.topRightCorner<2, 1>() = normalized;
   Eigen::Matrix3d ray_from_board = camera_from_world.rotation;
   ray_from_board.col(2) = camera_from_world.translation;
-  view.board_from_normalized = ray_from_board.inverse();
-  if (!view.board_from_normalized.allFinite() || !view.curvature.allFinite()) return std::nullopt;
+  LocalView view;
+  view.pixel = *pixel;
+  view.board_from_pixel = ray_from_board.inverse() * normalized_from_offset;
+  if (!view.board_from_pixel.allFinite()) return std::nullopt;
   return view;
 }
 
 double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFootprint& footprint,
                    const Eigen::Vector2d& offset) {
-  const double x = offset.x(), y = offset.y();
-  const Eigen::Vector2d normalized = view.normalized + view.normalized_by_pixel * offset +
-                                     view.curvature * Eigen::Vector3d(x * x, x * y, y * y);
-  Eigen::Matrix2d normalized_by_offset = view.normalized_by_pixel;
-  normalized_by_offset.col(0) += view.curvature * Eigen::Vector3d(2 * x, y, 0);
-  normalized_by_offset.col(1) += view.curvature * Eigen::Vector3d(0, x, 2 * y);
-  const Eigen::Matrix3d& h = view.board_from_normalized;
-  const Eigen::Vector3d p = h * normalized.homogeneous();
+  const Eigen::Matrix3d& h = view.board_from_pixel;
+  const Eigen::Vector3d p = h * offset.homogeneous();
   // The third coordinate is the reciprocal depth.
   if (!(p.z() > 0)) return -1;
   const Eigen::Vector2d board = p.hnormalized();
   const Eigen::Matrix2d slope =
-      (h.topLeftCorner<2, 2>() - board * h.bottomLeftCorner<1, 2>()) / p.z() * normalized_by_offset;
-  const double scale = slope.norm();
-  // Also refuses what is not finite.
-  if (!(print.DistanceToPlateEdge(board) > footprint.tail * scale)) return -1;
-  if (print.UniformRadius(board) > scale * footprint.reach) return print.Value(board);
+      (h.topLeftCorner<2, 2>() - board * h.bottomLeftCorner<1, 2>()) / p.z();
+  for (const Eigen::Vector2d& o :
+       {Eigen::Vector2d(footprint.tail, 0), Eigen::Vector2d(0, footprint.tail)}) {
+    if (print.Value(board + slope * o) < 0 || print.Value(board - slope * o) < 0) return -1;
+  }
+  if (print.UniformRadius(board) > slope.norm() * footprint.reach) return print.Value(board);
   double sum = 0;
   for (const Eigen::Vector2d& o : footprint.offsets) {
-    sum += print.Value(board + slope * o);
+    // A corner of the footprint may stick out a little farther than the tails along the axes.
+    sum += std::max(0.0, print.Value(board + slope * o));
   }
   return sum / static_cast<double>(footprint.offsets.size());
 }

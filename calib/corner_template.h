@@ -24,15 +24,12 @@ struct PixelFootprint {
 /// points pushed through the inverse of the blurred box's distribution.
 PixelFootprint MakePixelFootprint(double blur_px);
 
-/// The board's plane as one camera sees it near one board point: the lens to second order there (to
-/// first order, the curvature of a usual lens would move corners by a thousandth of a pixel, all of
-/// them towards the middle, and the focal length with them), the perspective exact.
+/// The board's plane as one camera sees it near one board point: the lens linearised there, the
+/// perspective exact. Good to about 0.005 px within ten pixels of a usual lens.
 struct LocalView {
-  Eigen::Vector2d pixel;                  ///< where the board point appears
-  Eigen::Matrix3d board_from_normalized;  ///< homography from (X/Z, Y/Z) to board coordinates, mm
-  Eigen::Vector2d normalized;             ///< (X/Z, Y/Z) at `pixel`
-  Eigen::Matrix2d normalized_by_pixel;    ///< the inverse lens's slope
-  Eigen::Matrix<double, 2, 3> curvature;  ///< its terms in x^2, x y, y^2 of the offset to `pixel`
+  Eigen::Vector2d pixel;  ///< where the board point appears
+  Eigen::Matrix3d
+      board_from_pixel;  ///< homography from offsets to `pixel` to board coordinates, mm
 };
 
 /// No answer when the point or its surroundings do not appear in the picture.

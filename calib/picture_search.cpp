@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calib/picture_search.h"
 
-#include <algorithm>
 #include <variant>
 
 #include "calib/bundle_adjustment.h"
@@ -50,40 +49,20 @@ CalibPicture SearchAndPose(CalibPicture picture, const Image& gray, const BoardP
                            const CornerSearch& search, double robust_scale_px) {
   picture.corners = FindCorners(gray, print, corners, camera, picture.camera_from_world, search);
   if (static_cast<int>(picture.corners.size()) >= kMinRoughCorners) {
-    picture.camera_from_world = AdjustPose(
-        camera, ViewOfCorners(picture, corners, MedianSigma({&picture, 1})), robust_scale_px);
+    picture.camera_from_world =
+        AdjustPose(camera, ViewOfCorners(picture, corners), robust_scale_px);
   }
   return picture;
 }
 
 }  // namespace
 
-double MedianSigma(std::span<const CalibPicture> pictures) {
-  std::vector<double> sigmas;
-  for (const CalibPicture& picture : pictures) {
-    for (const CornerObservation& observation : picture.corners) {
-      sigmas.push_back(observation.sigma_px);
-    }
-  }
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
-}
-
-BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners,
-                         double reference_sigma_px) {
-  constexpr double kMinWeight = 0.05, kMaxWeight = 2;
+BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners) {
   BundleView view;
   view.camera_from_world = picture.camera_from_world;
   for (const CornerObservation& observation : picture.corners) {
     view.points.push_back(corners[observation.corner]);
     view.pixels.push_back(observation.pixel);
-    const bool certain = observation.sigma_px * kMaxWeight <= reference_sigma_px;
-    view.weights.push_back(reference_sigma_px <= 0 ? 1
-                           : certain
-                               ? kMaxWeight
-                               : std::max(kMinWeight, reference_sigma_px / observation.sigma_px));
   }
   return view;
 }

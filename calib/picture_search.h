@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -36,12 +36,7 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
                                         const ImageLoader& load_image, StartQuality start,
                                         const CalibOptions& options, Progress& progress);
 
-/// Median of the standard deviations of the corners of `pictures`; 0 when there are none.
-double MedianSigma(std::span<const CalibPicture> pictures);
-
-/// The refined corners of a picture as the adjustment takes them: weighted by the inverse of their
-/// standard deviations, 1 at `reference_sigma_px`, at most 2, at least 0.05; all 1 when it is 0.
-BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners,
-                         double reference_sigma_px);
+/// The refined corners of a picture as the adjustment takes them.
+BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners);
 
 }  // namespace lfm

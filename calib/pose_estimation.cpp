@@ -95,7 +95,7 @@ std::optional<Pose> EstimatePlanarPose(const Camera& camera,
   double best_cost = std::numeric_limits<double>::infinity();
   for (const Pose& candidate : PlanarPoseCandidates(points, normalized)) {
     if (!candidate.rotation.allFinite() || !candidate.translation.allFinite()) continue;
-    BundleView view = {candidate, points, pixels, {}};
+    BundleView view = {candidate, points, pixels};
     view.camera_from_world = AdjustPose(camera, view, robust_scale_px);
     const double cost = CauchyCost(camera, view, robust_scale_px);
     // The print is seen from above only.

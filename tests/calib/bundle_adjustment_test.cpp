@@ -23,7 +23,7 @@ constexpr double kExactPose_abs = 1e-6;
 std::vector<BundleView> ExactViews(const Camera& camera, const std::vector<Pose>& poses) {
   std::vector<BundleView> views;
   for (const Pose& pose : poses) {
-    BundleView view{pose, {}, {}, {}};
+    BundleView view{pose, {}, {}};
     for (const Eigen::Vector3d& corner : BoardCorners(DefaultBoard())) {
       const auto pixel = Project(camera, pose * corner);
       if (!pixel || !camera.Contains(*pixel)) continue;
@@ -87,20 +87,6 @@ TEST(BundleAdjustment, OutliersDoNotPull) {
   }
 }
 
-TEST(BundleAdjustment, WeightsDecideWhomToBelieve) {
-  const Camera camera = SmallCamera();
-  const Pose pose = PosesAround(5)[3];
-  BundleView view = ExactViews(camera, {pose})[0];
-  for (size_t i = 0; i < view.pixels.size(); ++i) {
-    const bool wrong = i % 2 == 0;
-    if (wrong) view.pixels[i] += Eigen::Vector2d(0.5, 0);
-    view.weights.push_back(wrong ? 1e-4 : 1);
-  }
-  EXPECT_LT((AdjustPose(camera, view, 10).Center() - pose.Center()).norm(), 1e-4);
-  view.weights.clear();
-  EXPECT_GT((AdjustPose(camera, view, 10).Center() - pose.Center()).norm(), 0.05);
-}
-
 TEST(BundleAdjustment, PoseAloneFromExactCorners) {
   const Camera camera = SmallCamera();
   const Pose pose = PosesAround(5)[3];
@@ -124,7 +110,7 @@ TEST(BundleAdjustment, PointsBehindTheCameraCostAndComeForward) {
 TEST(BundleAdjustment, EmptyViewsKeepTheirPose) {
   const Camera camera = SmallCamera();
   const Pose pose = PosesAround(3)[1];
-  const BundleView empty{pose, {}, {}, {}};
+  const BundleView empty{pose, {}, {}};
   EXPECT_EQ(AdjustPose(camera, empty, 1).translation, pose.translation);
   const BundleResult result = AdjustBundle(camera, {empty}, {});
   EXPECT_EQ(result.poses.at(0).translation, pose.translation);

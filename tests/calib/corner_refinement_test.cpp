@@ -168,26 +168,6 @@ TEST(CornerTemplate, FootprintIsSymmetricAndHasTheBlursVariance) {
   }
 }
 
-// To second order in the lens: the local view agrees with the camera ten pixels away.
-TEST(CornerTemplate, LocalViewFollowsTheLens) {
-  const Camera camera = SmallCamera();
-  for (const Pose& pose : PosesAround(4)) {
-    for (const Eigen::Vector3d& point : {Eigen::Vector3d(90, 90, 0), Eigen::Vector3d(-80, 85, 0)}) {
-      const auto view = MakeLocalView(camera, pose, point);
-      if (!view) continue;
-      for (const Eigen::Vector3d& d : {Eigen::Vector3d(4, 3, 0), Eigen::Vector3d(-5, 2, 0)}) {
-        const Eigen::Vector2d o = *Project(camera, pose * (point + d)) - view->pixel;
-        const Eigen::Vector2d normalized =
-            view->normalized + view->normalized_by_pixel * o +
-            view->curvature * Eigen::Vector3d(o.x() * o.x(), o.x() * o.y(), o.y() * o.y());
-        const Eigen::Vector2d board =
-            (view->board_from_normalized * normalized.homogeneous()).hnormalized();
-        EXPECT_LT((board - (point + d).head<2>()).norm(), 1e-3);
-      }
-    }
-  }
-}
-
 // Shortcuts over uniform print must not change what a pixel sees.
 TEST(CornerTemplate, UniformRadiusNeverCrossesAnEdge) {
   const BoardPrint print(DefaultBoard());
