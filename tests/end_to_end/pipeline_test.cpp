@@ -152,7 +152,8 @@ TEST(Pipeline, ScoresAnybodysPicturesByTheSameRule) {
   ASSERT_EQ(small.RunPipeline({"-q", "--to", "evaluate"}).status, 0);
   // The photographs themselves must score as a perfect picture.
   const fs::path images = small.work() / "images";
-  for (const json& photo : small.Manifest()["photos"]) {
+  const json manifest = small.Manifest();
+  for (const json& photo : manifest["photos"]) {
     if (photo["split"] != "test") continue;
     WriteImage(ToSrgb8(ReadImage(small.capture() / photo["file"].get<std::string>())),
                images / (photo["id"].get<std::string>() + ".png"));

@@ -110,7 +110,7 @@ TEST(Reconstruction, HoleInTheDataIsClosedWithoutConfidence) {
   ExpectSoundSurface(mesh);
   int inside = 0;
   for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if ((mesh.vertices[v] - hole).norm() > 6) continue;
+    if ((mesh.vertices[v] - hole).norm() > 5) continue;
     ++inside;
     EXPECT_EQ(mesh.confidence[v], 0);
     EXPECT_NEAR((mesh.vertices[v] - Eigen::Vector3d(0, 0, 30)).norm(), 30, 1.0);

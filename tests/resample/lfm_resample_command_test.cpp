@@ -36,6 +36,7 @@ class LfmResampleCommand : public testing::Test {
     SaveCapture(made.capture);
     SaveCalib(made.calib, work_ / "calib");
     MeshResult mesh;
+    mesh.pixel_mm = 1;
     mesh.surface = sphere;
     mesh.mesh = test::Sphere({0, 0, 0}, 40, 1);
     SaveMesh(mesh, work_ / "mesh");
