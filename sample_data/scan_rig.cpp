@@ -15,6 +15,7 @@ using V3 = Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kDistanceMm = 430, kTargetHeightMm = 54;
+constexpr double kPlacementElevationDeg = 48;
 // In azimuth; with the rig's elevation it makes 22 degrees between the two lines of sight.
 constexpr double kSeparationDeg = 25.6;
 
@@ -66,12 +67,12 @@ ScanRig MakeScanRig(int camera_width, int camera_height, int projector_width,
   return rig;
 }
 
-std::vector<Pose> MakeScanPoses(int count) {
+std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg) {
   std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {
-    const double elevation = i % 2 == 0 ? kLowRigElevationDeg : kHighRigElevationDeg;
-    poses.push_back(
-        StandCamera(-90 - kSeparationDeg / 2 + kTurnDeg * i, elevation, V3(0, 0, kTargetHeightMm)));
+    const double elevation = i % 2 == 0 ? high_deg : low_deg;
+    poses.push_back(StandCamera(-90 - kSeparationDeg / 2 + 360.0 * i / count, elevation,
+                                V3(0, 0, kTargetHeightMm)));
   }
   return poses;
 }
@@ -86,7 +87,7 @@ std::vector<PlatformPlacement> MakePlacements(int count) {
   constexpr double kShiftMm[][2] = {{-12, 8}, {14, -10}, {-6, -14}, {8, 12}, {0, 0}};
   std::vector<PlatformPlacement> placements;
   const Pose camera_from_room =
-      StandCamera(-90 - kSeparationDeg / 2, kHighRigElevationDeg, V3(0, 0, kTargetHeightMm + 30));
+      StandCamera(-90 - kSeparationDeg / 2, kPlacementElevationDeg, V3(0, 0, kTargetHeightMm + 30));
   for (int i = 0; i < count; ++i) {
     const int k = i % 5;
     const double tilt = std::min(40.0, kTiltDeg[k] + i / 5) * kDegree;

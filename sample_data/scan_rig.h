@@ -19,13 +19,10 @@ struct ScanRig {
 /// about 250 mm wide.
 ScanRig MakeScanRig(int camera_width, int camera_height, int projector_width, int projector_height);
 
-inline constexpr double kLowRigElevationDeg = 15, kHighRigElevationDeg = 48;
-inline constexpr double kTurnDeg = 20;
-
-/// Poses (camera_from_world) of `count` scans: the platform turns by kTurnDeg between scans, and
-/// the rig stands low for every even scan and high for every odd one, so that each height sees the
-/// object from all round.
-std::vector<Pose> MakeScanPoses(int count);
+/// Poses (camera_from_world) of `count` scans: the platform makes one full turn in equal steps (18
+/// scans: 20 degrees), and the rig stands high for every even scan and low for every odd one, so
+/// that each height sees the object from all round.
+std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg);
 
 /// One placement of the empty platform before the fixed rig.
 struct PlatformPlacement {

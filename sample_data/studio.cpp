@@ -33,6 +33,24 @@ std::string Numbered(const char* format, int number) {
   return text;
 }
 
+// The standard sequence, with another number of phase steps.
+PatternSequence MakeSequence(const Camera& projector, int phase_steps, PatternRows rows) {
+  PatternSequence sequence = MakePatternSequence(projector.width, projector.height, rows);
+  const std::vector<Pattern> standard = std::move(sequence.patterns);
+  sequence.phase_steps = phase_steps;
+  sequence.patterns.clear();
+  for (const Pattern& pattern : standard) {
+    if (pattern.kind != PatternKind::kPhase) {
+      sequence.patterns.push_back(pattern);
+    } else if (pattern.index == 0) {
+      for (int step = 0; step < phase_steps; ++step) {
+        sequence.patterns.push_back({PatternKind::kPhase, pattern.axis, step});
+      }
+    }
+  }
+  return sequence;
+}
+
 std::vector<std::string> RoleNames(const PatternSequence& sequence) {
   std::vector<std::string> names;
   for (const Pattern& pattern : sequence.patterns) names.push_back(PatternName(pattern));
@@ -161,15 +179,16 @@ class Studio {
     scanner.projector_width = rig.projector.width;
     scanner.projector_height = rig.projector.height;
     const PatternSequence columns =
-        MakePatternSequence(rig.projector.width, rig.projector.height, PatternRows::kWithout);
+        MakeSequence(rig.projector, options_.phase_steps, PatternRows::kWithout);
     const PatternSequence both =
-        MakePatternSequence(rig.projector.width, rig.projector.height, PatternRows::kWith);
+        MakeSequence(rig.projector, options_.phase_steps, PatternRows::kWith);
     scanner.scan_roles = RoleNames(columns);
     scanner.placement_roles = RoleNames(both);
     progress_.Start("scans", options_.scans + options_.placements);
 
     const PatternTable scan_patterns(columns);
-    const std::vector<Pose> poses = MakeScanPoses(options_.scans);
+    const std::vector<Pose> poses =
+        MakeScanPoses(options_.scans, options_.rig_low_deg, options_.rig_high_deg);
     const ScanSubject painted{scene_.get(), &subject_.mesh, &reflectance_};
     for (int i = 0; i < options_.scans; ++i) {
       const std::vector<Image> frames =
@@ -245,17 +264,19 @@ StudioOptions ResolveTiny(const StudioOptions& options) {
   const auto shrink = [&](auto StudioOptions::*field, auto tiny) {
     if (options.*field == defaults.*field) resolved.*field = tiny;
   };
-  shrink(&StudioOptions::photos, 24);
-  shrink(&StudioOptions::test_photos, 3);
-  shrink(&StudioOptions::photo_width, 400);
-  shrink(&StudioOptions::photo_height, 300);
-  shrink(&StudioOptions::scans, 5);
-  shrink(&StudioOptions::placements, 4);
+  shrink(&StudioOptions::photos, 20);
+  shrink(&StudioOptions::test_photos, 2);
+  shrink(&StudioOptions::photo_width, 320);
+  shrink(&StudioOptions::photo_height, 240);
+  shrink(&StudioOptions::scans, 3);
+  shrink(&StudioOptions::placements, 3);
   shrink(&StudioOptions::scan_width, 240);
   shrink(&StudioOptions::scan_height, 180);
   shrink(&StudioOptions::projector_width, 256);
   shrink(&StudioOptions::projector_height, 192);
-  shrink(&StudioOptions::edge_mm, 1.3);
+  shrink(&StudioOptions::phase_steps, 4);
+  shrink(&StudioOptions::rig_low_deg, 36.0);
+  shrink(&StudioOptions::edge_mm, 3.5);
   return resolved;
 }
 

@@ -19,6 +19,8 @@ struct StudioOptions {
   int scans = 18, placements = 5;
   int scan_width = 640, scan_height = 480;
   int projector_width = 1024, projector_height = 768;
+  int phase_steps = 8;
+  double rig_low_deg = 15, rig_high_deg = 48;
   double edge_mm = 0.55;
   int jpeg_quality = 0;
 
@@ -52,9 +54,10 @@ struct StudioOptions {
   }
 };
 
-/// With `tiny` set, every size and count still at its default takes the tiny value: 24 photographs
-/// of 400 x 300 (3 test), 5 scans and 4 placements of 240 x 180, a projector of 256 x 192. Without
-/// it, the options as they are.
+/// With `tiny` set, every size and count still at its default takes the tiny value: 20 photographs
+/// of 320 x 240 (2 test), 3 scans and 3 placements of 240 x 180, a projector of 256 x 192 with 4
+/// phase steps, the rig not below 36 degrees (tags would be too flat to read), a coarse object.
+/// Without it, the options as they are.
 StudioOptions ResolveTiny(const StudioOptions& options);
 
 }  // namespace lfm

@@ -150,7 +150,7 @@ TEST_F(CameraPathTest, RejectsMoreTestThanPhotos) {
 
 TEST(ScanRig, CameraAndProjectorAreFixedAndTwentyToTwentyFiveDegreesApart) {
   const ScanRig rig = MakeScanRig(640, 480, 1024, 768);
-  const std::vector<Pose> poses = MakeScanPoses(18);
+  const std::vector<Pose> poses = MakeScanPoses(18, 15, 48);
   ASSERT_EQ(poses.size(), 18u);
   const V3 target(0, 0, 54);
   int low = 0;
@@ -172,7 +172,7 @@ TEST(ScanRig, CameraAndProjectorAreFixedAndTwentyToTwentyFiveDegreesApart) {
 }
 
 TEST(ScanRig, PlatformTurnsByTwentyDegrees) {
-  const std::vector<Pose> poses = MakeScanPoses(18);
+  const std::vector<Pose> poses = MakeScanPoses(18, 15, 48);
   for (size_t i = 0; i < poses.size(); ++i) {
     const V3 a = poses[i].Center(), b = poses[(i + 1) % poses.size()].Center();
     double turn = (std::atan2(b.y(), b.x()) - std::atan2(a.y(), a.x())) / kDegree;

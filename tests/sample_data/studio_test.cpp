@@ -86,8 +86,10 @@ TEST_F(StudioTest, HandsOverEveryListedPicture) {
     EXPECT_EQ(run_->pictures.at(photo.file).channels(), 3);
   }
   ASSERT_TRUE(capture.scanner);
-  EXPECT_EQ(capture.scanner->scan_roles.size(),
-            MakePatternSequence(64, 48, PatternRows::kWithout).patterns.size());
+  // White, black, six bits with inverses and four phase steps; with rows, twice the latter.
+  EXPECT_EQ(capture.scanner->scan_roles.size(), 2u + 12 + 4);
+  EXPECT_EQ(capture.scanner->placement_roles.size(), 2u + 24 + 8);
+  EXPECT_EQ(SequenceFromNames(64, 48, capture.scanner->scan_roles).phase_steps, 4);
   for (const auto* sets : {&capture.scanner->scans, &capture.scanner->placements}) {
     for (const ScanSet& set : *sets) {
       EXPECT_FALSE(set.camera_from_world);
@@ -264,7 +266,7 @@ TEST(Studio, TinyKeepsWhatIsGiven) {
   options.photos = 7;
   const StudioOptions resolved = ResolveTiny(options);
   EXPECT_EQ(resolved.photos, 7);
-  EXPECT_EQ(resolved.photo_width, 400);
+  EXPECT_EQ(resolved.photo_width, 320);
   EXPECT_EQ(ResolveTiny(StudioOptions()).photo_width, 960);
 }
 
