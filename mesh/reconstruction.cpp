@@ -118,7 +118,7 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
     } catch (const Error&) {
       if (attempt == kAttempts) throw;
       settings.cube_scale *= kScaleStep;
-      if (attempt >= kAttempts / 3) settings.depth = std::max(kShallowest, settings.depth - 1);
+      if (attempt > kAttempts / 2) settings.depth = std::max(kShallowest, settings.depth - 1);
     }
   }
   progress.Advance();

@@ -115,7 +115,7 @@ TEST(Reconstruction, HoleInTheDataIsClosedWithoutConfidence) {
     EXPECT_EQ(mesh.confidence[v], 0);
     EXPECT_NEAR((mesh.vertices[v] - Eigen::Vector3d(0, 0, 30)).norm(), 30, 1.0);
   }
-  EXPECT_GT(inside, 50);
+  EXPECT_GT(inside, 10);  // the octree is coarse where there is no data
 }
 
 TEST(Reconstruction, FinerDepthFinerMesh) {
