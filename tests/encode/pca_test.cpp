@@ -101,6 +101,16 @@ TEST(Pca, IsOptimalWhereTheSpectrumFallsOff) {
   ExpectOptimal(WithSpectrum(gap, 2), "gap over a flat tail");
 }
 
+TEST(Pca, IsOptimalForTheMostTerms) {
+  Eigen::VectorXd values(120);
+  for (int i = 0; i < 120; ++i) values[i] = std::pow(0.7, i);
+  PcaResult pca;
+  const Residuals r = Compare(WithSpectrum(values, 18), 16, {.terms = 16}, &pca);
+  EXPECT_EQ(pca.terms, 16);
+  EXPECT_EQ(pca.width, 24);
+  EXPECT_LE(r.found, r.best + kResidual_rel);
+}
+
 TEST(Pca, IsOptimalForLowAndRepeatedRank) {
   ExpectOptimal(WithSpectrum(Eigen::VectorXd::Constant(1, 3.0), 3), "rank 1");
   ExpectOptimal(WithSpectrum(Eigen::Vector3d(3, 2, 0.001), 4), "rank 3, below K");
