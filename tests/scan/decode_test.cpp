@@ -140,6 +140,31 @@ TEST(Decode, SaturatedDarkFlatAndNonFinitePixelsAreRejected) {
   EXPECT_EQ(saturated.column.confidence[1], 0);
 }
 
+TEST(Decode, LightThatWandersBetweenSurfacesDoesNotMoveTheColumns) {
+  const PatternSequence sequence = MakePatternSequence(512, 8, PatternRows::kWithout);
+  std::vector<double> columns;
+  for (double x = 0.3; x < 511; x += 1.7) columns.push_back(x);
+  std::vector<Image> frames = StripFrames(sequence, columns, 0.4, 0.02);
+  for (Image& frame : frames) {
+    // A third of what 120 columns about the middle of the picture send reaches every pixel.
+    double bounced = 0;
+    int lamps = 0;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (std::abs(columns[i] - 256) > 60) continue;
+      bounced += frame.Data<float>()[i];
+      ++lamps;
+    }
+    for (size_t i = 0; i < columns.size(); ++i) {
+      frame.Data<float>()[i] += static_cast<float>(0.33 * bounced / lamps);
+    }
+  }
+  const DecodedPixels decoded = Decode(sequence, FromMemory(frames), {});
+  for (size_t i = 0; i < columns.size(); ++i) {
+    ASSERT_GT(decoded.column.confidence[i], 0) << columns[i];
+    EXPECT_NEAR(decoded.column.position[i], columns[i], 0.1);
+  }
+}
+
 TEST(Decode, AnOrderOfFramesDoesNotMatter) {
   PatternSequence sequence = MakePatternSequence(64, 8, PatternRows::kWithout);
   std::vector<Image> frames = StripFrames(sequence, {3.25, 17.5, 60.75}, 0.6, 0.05);

@@ -184,6 +184,19 @@ TEST(RigCalibration, APlatformThatOnlyTurnsIsRefused) {
   }
 }
 
+TEST(RigCalibration, PlacementsThatBarelyDifferAreRefusedByTheirCondition) {
+  const std::vector<Pose> poses = {TiltedPlatform(0, 0, 0), TiltedPlatform(1.2, 0, 1),
+                                   TiltedPlatform(-1.2, 90, 1)};
+  const Scene scene = MakeScene(KnownRig(false), poses, Noise{0.02, 1e-5, 0.005, 0});
+  ExpectMotionError([&] { Calibrate(scene); });
+  try {
+    Calibrate(scene);
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("condition number"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(RigCalibration, OnePlacementIsRefused) {
   const Scene one = MakeScene(KnownRig(false), {TiltedPlatform(25, 0, 20)}, {});
   ExpectMotionError([&] { Calibrate(one); });
