@@ -39,6 +39,10 @@ class LfmResampleCommand : public testing::Test {
     mesh.pixel_mm = 1;
     mesh.surface = sphere;
     mesh.mesh = test::Sphere({0, 0, 0}, 40, 1);
+    for (TriangleMesh* part : {&mesh.surface, &mesh.mesh}) {
+      part->normals = ComputeVertexNormals(*part);
+      part->confidence.assign(part->vertices.size(), 1);
+    }
     SaveMesh(mesh, work_ / "mesh");
   }
 
