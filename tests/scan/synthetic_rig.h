@@ -127,7 +127,7 @@ inline std::vector<std::vector<LitSample>> TraceScan(const RigCalibration& rig,
         const bool reached = lit && lit->distance > (point - lamp).norm() - 1e-6;
         const std::optional<Eigen::Vector2d> source =
             Project(rig.projector, projector_from_world * point);
-        if (reached && source) {
+        if (reached && source && rig.projector.Contains(*source)) {
           sample.projector_px = *source;
           sample.weight = settings.light * hit->albedo * std::max(0.0, -hit->normal.dot(to_point));
         }
@@ -139,10 +139,23 @@ inline std::vector<std::vector<LitSample>> TraceScan(const RigCalibration& rig,
   return pixels;
 }
 
+/// What a pattern sends through each column (row): it is constant along the other axis.
+inline std::vector<double> PatternProfile(const PatternSequence& sequence, const Pattern& pattern) {
+  std::vector<double> profile;
+  const bool columns = pattern.axis == PatternAxis::kColumn;
+  const int size = columns ? sequence.projector_width : sequence.projector_height;
+  for (int i = 0; i < size; ++i) {
+    profile.push_back(PatternValue(sequence, pattern, columns ? i : 0, columns ? 0 : i));
+  }
+  return profile;
+}
+
 inline Image RenderFrame(const std::vector<std::vector<LitSample>>& traced, const Camera& camera,
                          const PatternSequence& sequence, int frame,
                          const RenderSettings& settings) {
   const Pattern& pattern = sequence.patterns[static_cast<size_t>(frame)];
+  const std::vector<double> profile = PatternProfile(sequence, pattern);
+  const int axis = pattern.axis == PatternAxis::kColumn ? 0 : 1;
   std::mt19937 random(settings.seed * 1000 + static_cast<uint32_t>(frame));
   std::normal_distribution<double> noise(0, 1);
   Image linear(camera.width, camera.height, 1, PixelType::kFloat32, ColorEncoding::kLinear);
@@ -150,10 +163,9 @@ inline Image RenderFrame(const std::vector<std::vector<LitSample>>& traced, cons
   for (size_t p = 0; p < traced.size(); ++p) {
     double sum = 0;
     for (const LitSample& s : traced[p]) {
-      const double value =
-          s.weight > 0 ? PatternValue(sequence, pattern, s.projector_px.x(), s.projector_px.y())
-                       : 0;
-      sum += s.ambient + s.weight * value;
+      sum += s.ambient;
+      if (s.weight <= 0) continue;
+      sum += s.weight * profile[static_cast<size_t>(std::lround(s.projector_px[axis]))];
     }
     linear.Data<float>()[p] = static_cast<float>(sum / samples + settings.noise * noise(random));
   }
