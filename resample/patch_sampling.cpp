@@ -23,8 +23,8 @@ std::optional<Eigen::Vector3d> CrossingAlong(const RayScene& surface, const Eige
 
 }  // namespace
 
-PhotoPixels MakePhotoPixels(const Image& picture, std::vector<uint8_t> usable, const Camera& camera,
-                            const std::string& file) {
+PhotoPixels MakePhotoPixels(const Image& picture, const std::vector<PixelUse>& usable,
+                            const Camera& camera, const std::string& file) {
   if (picture.width() != camera.width || picture.height() != camera.height) {
     throw Error(file + ": is " + std::to_string(picture.width()) + " x " +
                 std::to_string(picture.height()) + " pixels, but its camera has " +
@@ -40,7 +40,7 @@ PhotoPixels MakePhotoPixels(const Image& picture, std::vector<uint8_t> usable, c
   const uint8_t* in = coded.Data<uint8_t>();
   for (size_t i = 0; i < usable.size(); ++i) {
     for (size_t c = 0; c < 3; ++c) photo.rgbu[4 * i + c] = in[i * channels + from[c]];
-    photo.rgbu[4 * i + 3] = usable[i];
+    photo.rgbu[4 * i + 3] = static_cast<uint8_t>(usable[i]);
   }
   return photo;
 }
@@ -91,7 +91,7 @@ std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& ca
   constexpr float kScale = static_cast<float>(LightField::kOne) / 255;
   SampledView view;
   view.values.resize(3 * points.size());
-  view.saturated.resize(3 * points.size());
+  view.knowledge.resize(3 * points.size());
   for (size_t s = 0; s < points.size(); ++s) {
     const auto pixel = Project(camera, camera_from_world * points[s]);
     if (!pixel) return std::nullopt;
@@ -102,9 +102,12 @@ std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& ca
         photo.At(tap->x + 1, tap->y + 1)};
     const std::array<float, 4> weights = {(1 - tap->fx) * (1 - tap->fy), tap->fx * (1 - tap->fy),
                                           (1 - tap->fx) * tap->fy, tap->fx * tap->fy};
+    auto use = PixelUse::kData;
     for (size_t k = 0; k < 4; ++k) {
-      if (weights[k] > 0 && pixels[k][3] == 0) return std::nullopt;
+      if (weights[k] > 0) use = std::min(use, static_cast<PixelUse>(pixels[k][3]));
     }
+    if (use == PixelUse::kForbidden) return std::nullopt;
+    view.data_samples += use == PixelUse::kData ? 1 : 0;
     for (size_t c = 0; c < 3; ++c) {
       float value = 0;
       bool saturated = false;
@@ -113,7 +116,9 @@ std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& ca
         saturated = saturated || (weights[k] > 0 && pixels[k][c] == 255);
       }
       view.values[3 * s + c] = static_cast<uint16_t>(value * kScale + 0.5F);
-      view.saturated[3 * s + c] = saturated ? 1 : 0;
+      view.knowledge[3 * s + c] = use != PixelUse::kData ? Knowledge::kMissing
+                                  : saturated            ? Knowledge::kLowerBound
+                                                         : Knowledge::kData;
     }
   }
   return view;

@@ -12,12 +12,14 @@
 #include "core/pose.h"
 #include "core/ray_scene.h"
 #include "core/triangle_mesh.h"
+#include "resample/imputation.h"
+#include "resample/photo_depth.h"
 #include "resample/resample.h"
 
 namespace lfm {
 
 /// A photograph as it is sampled: 4 bytes a pixel, rows from the top: red, green, blue (8-bit sRGB)
-/// and 255 where the pixel is data, 0 where it is not (photo_depth.h, masks).
+/// and the pixel's PixelUse.
 struct PhotoPixels {
   int width = 0, height = 0;
   std::vector<uint8_t> rgbu;
@@ -28,8 +30,8 @@ struct PhotoPixels {
 /// Joins a picture and its usable pixels. Gray pictures become RGB, an alpha channel is ignored,
 /// other types are brought to 8-bit sRGB. Throws Error naming `file` when the picture's size is not
 /// the camera's.
-PhotoPixels MakePhotoPixels(const Image& picture, std::vector<uint8_t> usable, const Camera& camera,
-                            const std::string& file);
+PhotoPixels MakePhotoPixels(const Image& picture, const std::vector<PixelUse>& usable,
+                            const Camera& camera, const std::string& file);
 
 /// The four pixels around a position and their bilinear weights.
 struct BilinearTap {
@@ -53,12 +55,13 @@ std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle,
 struct SampledView {
   /// 3 a sample (RGB): sRGB-coded radiance times LightField::kOne, bilinear.
   std::vector<uint16_t> values;
-  /// As long: 1 where a pixel that was used stands at 255 in that channel, so that the value is
-  /// only a lower bound.
-  std::vector<uint8_t> saturated;
+  /// As long: a lower bound where a pixel that was used stands at 255 in that channel; missing
+  /// where one that was needed is no data.
+  std::vector<Knowledge> knowledge;
+  int data_samples = 0;  ///< samples that are not missing
 };
 /// Samples a photograph at the projections of `points` (full lens model). No answer when a point
-/// cannot be sampled: behind the camera, a needed pixel outside the frame, or one that is no data.
+/// cannot be sampled: behind the camera, a needed pixel outside the frame, or a forbidden one.
 std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
                                       const Pose& camera_from_world,
                                       const std::vector<Eigen::Vector3d>& points);

@@ -55,7 +55,7 @@ void MarkEdges(const float* depth, int count, ptrdiff_t stride, double pixel_mm_
     if (!edge) {
       const float beside = std::fmin(step(i - 1), step(i + 1));
       const double allowed =
-          2 * pixel_mm_per_mm * std::min(a, b) + 2 * (std::isnan(beside) ? 0.0F : beside);
+          4 * pixel_mm_per_mm * std::min(a, b) + 2 * (std::isnan(beside) ? 0.0F : beside);
       edge = std::abs(a - b) > allowed;
     }
     if (edge) marked[i * stride] = marked[(i + 1) * stride] = 1;
@@ -112,10 +112,13 @@ DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const C
   return map;
 }
 
-std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px) {
+std::vector<PixelUse> FindUsablePixels(const DepthMap& map, const Camera& camera,
+                                       double margin_px) {
   const std::vector<uint8_t> marked = MarkEdges(map, camera);
-  std::vector<uint8_t> usable(map.depth.size());
-  for (size_t i = 0; i < usable.size(); ++i) usable[i] = map.depth[i] < kNothing ? 255 : 0;
+  std::vector<PixelUse> usable(map.depth.size(), PixelUse::kNearEdge);
+  for (size_t i = 0; i < usable.size(); ++i) {
+    if (map.depth[i] < kNothing) usable[i] = PixelUse::kData;
+  }
   const double radius = margin_px - 0.5;
   const int reach = std::max(0, static_cast<int>(std::ceil(radius)));
   for (int y = 0; y < map.height; ++y) {
@@ -124,7 +127,7 @@ std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera,
       for (int dy = std::max(-reach, -y); dy <= std::min(reach, map.height - 1 - y); ++dy) {
         for (int dx = std::max(-reach, -x); dx <= std::min(reach, map.width - 1 - x); ++dx) {
           if (std::hypot(dx, dy) >= radius) continue;
-          usable[static_cast<size_t>(y + dy) * map.width + (x + dx)] = 0;
+          usable[static_cast<size_t>(y + dy) * map.width + (x + dx)] = PixelUse::kNearEdge;
         }
       }
     }

@@ -36,16 +36,23 @@ struct DepthMap {
 DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const Camera& camera,
                      const PixelRays& rays, const Pose& camera_from_world);
 
-/// 255 for each pixel that shows the surface and lies at least `margin_px` from every depth edge,
-/// else 0.
+/// What a pixel is good for.
+enum class PixelUse : uint8_t {
+  kForbidden,  ///< outside the photograph's mask: nothing may be sampled here
+  kNearEdge,   ///< mixes with what lies beside it, or shows nothing of the surface: no data
+  kData,
+};
+
+/// kData for each pixel that shows the surface and lies at least `margin_px` from every depth edge,
+/// else kNearEdge.
 ///
 /// A depth edge runs between two pixels (4-neighbours) when only one of them shows the surface, or
-/// when their depths differ by more than twice a pixel's size on the surface plus twice the
+/// when their depths differ by more than four times a pixel's size on the surface plus twice the
 /// smaller of the depth steps that the two sides show just beside it: a surface may be steep, and
 /// turn away steadily, without being torn apart. Both sides keep the margin, because the nearer one
 /// mixes with what lies behind it. An edge counts as half-way between the two pixels, which is
 /// right to half a pixel. The pixel next to an edge is half a pixel from it: a margin up to 0.5
 /// keeps every pixel that shows the surface.
-std::vector<uint8_t> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px);
+std::vector<PixelUse> FindUsablePixels(const DepthMap& map, const Camera& camera, double margin_px);
 
 }  // namespace lfm

@@ -16,9 +16,9 @@ namespace {
 /// Sums over triangles, in whole numbers so that their order does not matter.
 struct Totals {
   int64_t triangles = 0, unseen = 0;
-  int64_t patch_samples = 0;           ///< of one view
-  int64_t views = 0;                   ///< over triangles
-  int64_t samples = 0, saturated = 0;  ///< over views
+  int64_t patch_samples = 0;                        ///< of one view
+  int64_t views = 0;                                ///< over triangles
+  int64_t samples = 0, saturated = 0, missing = 0;  ///< over views
   int64_t seen_entries = 0;
 
   void Add(const ResampledTriangle& triangle) {
@@ -28,6 +28,7 @@ struct Totals {
     views += static_cast<int64_t>(triangle.record.photos.size());
     samples += triangle.samples;
     saturated += triangle.saturated;
+    missing += triangle.missing;
     seen_entries += triangle.seen_entries;
   }
 };
@@ -106,6 +107,7 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
   result.dense_bytes = 3 * totals.patch_samples * entries;
   result.unseen_triangles = static_cast<int>(totals.unseen);
   result.saturated_share = Share(totals.saturated, totals.samples);
+  result.near_edge_share = Share(totals.missing, totals.samples);
   result.seen_directions_share = Share(totals.seen_entries, 3 * totals.triangles * entries);
   return result;
 }

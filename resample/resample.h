@@ -23,6 +23,7 @@ struct ResampleOptions {
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   double max_grazing_deg = 80;
   double depth_margin_px = 1.5;
+  double min_data_share = 0.5;
   int max_edge_samples = 65;
   SampleOn sample_on = SampleOn::kMesh;
   void Declare(OptionVisitor& v) {
@@ -41,6 +42,12 @@ struct ResampleOptions {
               "behind bleeds in.",
               "px", 0, 20},
              depth_margin_px);
+    v.Number(
+        {"min-data-share",
+         "Use a photograph for a triangle that it shows unoccluded when at least this share of "
+         "it keeps the margin (the rest is estimated from the other photographs); 1 = all.",
+         "", 0.05, 1},
+        min_data_share);
     v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3, 257},
               max_edge_samples);
     v.Enumeration({"sample-on",
@@ -56,6 +63,7 @@ struct ResampleResult {
   int64_t dense_bytes = 0;
   int unseen_triangles = 0;          ///< seen completely by no photograph
   double saturated_share = 0;        ///< of all samples
+  double near_edge_share = 0;        ///< of all samples: estimated, for they lie near a depth edge
   double seen_directions_share = 0;  ///< of the view grids' entries: inside the hull of photographs
 };
 
@@ -66,8 +74,8 @@ struct ResampleResult {
 /// once for each (and once for its mask: pixels below half are no data), from several threads at
 /// the same time. Photographs are held as 4 bytes a pixel until the end (288 MB for 104 of 960 x
 /// 720), triangles only in batches of 256. Saturated values (a channel at 255) are lower bounds and
-/// imputed (saturation.h). Triangles that nobody sees are written without views. The file does not
-/// depend on the number of threads.
+/// imputed, and so are samples too near a depth edge (imputation.h). Triangles that nobody sees are
+/// written without views. The file does not depend on the number of threads.
 ///
 /// Throws Error when no photograph can be used, a picture is missing or has another size than its
 /// camera, a mask does not fit, an option is out of range, a mesh is invalid, or the file cannot be

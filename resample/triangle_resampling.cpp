@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "resample/saturation.h"
+#include "resample/imputation.h"
 #include "resample/view_weights.h"
 
 namespace lfm {
@@ -22,7 +22,8 @@ Views SampleViews(const ResampleScene& scene, const TriangleViews& candidates,
   for (const uint16_t p : candidates.photos) {
     const UsedPhoto& photo = scene.photos[p];
     auto sampled = SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points);
-    if (!sampled) continue;
+    const double needed = scene.options.min_data_share * static_cast<double>(points.size());
+    if (!sampled || sampled->data_samples < needed - 1e-9) continue;
     views.photos.push_back(p);
     views.sampled.push_back(std::move(*sampled));
   }
@@ -38,35 +39,70 @@ std::vector<uint16_t> Interleave(const std::vector<SampledView>& views, size_t r
   return values;
 }
 
-void ImputeSaturated(const std::vector<SampledView>& views, size_t rows,
-                     std::vector<uint16_t>& values) {
+/// For each sample of a patch the nearest one about which some view knows something; itself where
+/// that is so, and where nothing is known at all.
+std::vector<int> NearestKnown(const std::vector<SampledView>& views, int n) {
+  std::vector<Eigen::Vector2i> places;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) places.emplace_back(i, j);
+  }
+  const auto is_known = [&](size_t sample) {
+    return std::any_of(views.begin(), views.end(), [&](const SampledView& view) {
+      return view.knowledge[3 * sample] != Knowledge::kMissing;
+    });
+  };
+  std::vector<int> known, nearest(places.size());
+  for (size_t s = 0; s < places.size(); ++s) {
+    nearest[s] = static_cast<int>(s);
+    if (is_known(s)) known.push_back(nearest[s]);
+  }
+  if (known.empty() || known.size() == places.size()) return nearest;
+  for (size_t s = 0; s < places.size(); ++s) {
+    const auto distance = [&](int other) {
+      const Eigen::Vector2i d = places[s] - places[static_cast<size_t>(other)];
+      return d.squaredNorm() + d.x() * d.y();  // of an equilateral lattice
+    };
+    nearest[s] = *std::min_element(known.begin(), known.end(),
+                                   [&](int a, int b) { return distance(a) < distance(b); });
+  }
+  return nearest;
+}
+
+/// What is not data, estimated from what is: from other views of the same sample, and where no view
+/// has it, from the nearest sample.
+void ImputeRest(const std::vector<SampledView>& views, int edge_samples,
+                std::vector<uint16_t>& values) {
+  const size_t rows = 3 * static_cast<size_t>(PatchSampleCount(edge_samples));
   const auto count = static_cast<Eigen::Index>(views.size());
-  CensoredMatrix matrix;
+  PartialMatrix matrix;
   matrix.values.resize(static_cast<Eigen::Index>(rows), count);
-  matrix.is_censored.resize(matrix.values.rows(), count);
+  matrix.knowledge.resize(matrix.values.rows(), count);
   for (Eigen::Index v = 0; v < count; ++v) {
     const SampledView& view = views[static_cast<size_t>(v)];
     for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
       matrix.values(row, v) =
           static_cast<float>(view.values[static_cast<size_t>(row)]) / LightField::kOne;
-      matrix.is_censored(row, v) = view.saturated[static_cast<size_t>(row)] != 0;
+      matrix.knowledge(row, v) = view.knowledge[static_cast<size_t>(row)];
     }
   }
-  const Eigen::MatrixXf imputed = ImputeCensored(matrix, kCeiling);
+  const Eigen::MatrixXf imputed = Impute(matrix, kCeiling);
+  const std::vector<int> nearest = NearestKnown(views, edge_samples);
   for (Eigen::Index row = 0; row < imputed.rows(); ++row) {
+    const Eigen::Index from = 3 * nearest[static_cast<size_t>(row / 3)] + row % 3;
     for (Eigen::Index v = 0; v < count; ++v) {
-      if (!matrix.is_censored(row, v)) continue;
+      if (matrix.knowledge(row, v) == Knowledge::kData) continue;
       values[static_cast<size_t>(row * count + v)] =
-          static_cast<uint16_t>(std::min(imputed(row, v) * LightField::kOne + 0.5F, 65535.0F));
+          static_cast<uint16_t>(std::min(imputed(from, v) * LightField::kOne + 0.5F, 65535.0F));
     }
   }
 }
 
-int64_t CountSaturated(const std::vector<SampledView>& views) {
+/// Samples that are not data: `kind` in any channel.
+int64_t CountSamples(const std::vector<SampledView>& views, Knowledge kind) {
   int64_t count = 0;
   for (const SampledView& view : views) {
-    for (size_t s = 0; s < view.saturated.size(); s += 3) {
-      count += (view.saturated[s] | view.saturated[s + 1] | view.saturated[s + 2]) != 0 ? 1 : 0;
+    for (auto at = view.knowledge.begin(); at != view.knowledge.end(); at += 3) {
+      count += std::find(at, at + 3, kind) != at + 3 ? 1 : 0;
     }
   }
   return count;
@@ -117,8 +153,11 @@ ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
   record.photos = views.photos;
   record.values = Interleave(views.sampled, 3 * points.size());
   result.samples = static_cast<int64_t>(points.size() * views.photos.size());
-  result.saturated = CountSaturated(views.sampled);
-  if (result.saturated > 0) ImputeSaturated(views.sampled, 3 * points.size(), record.values);
+  result.saturated = CountSamples(views.sampled, Knowledge::kLowerBound);
+  result.missing = CountSamples(views.sampled, Knowledge::kMissing);
+  if (result.saturated + result.missing > 0) {
+    ImputeRest(views.sampled, record.edge_samples, record.values);
+  }
   WeighViews(scene, triangle, result);
   return result;
 }

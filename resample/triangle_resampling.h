@@ -32,11 +32,14 @@ std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_
 
 struct ResampledTriangle {
   LightFieldWriter::Triangle record;
-  int64_t samples = 0, saturated = 0;  ///< of all views; samples with a saturated channel
-  int64_t seen_entries = 0;            ///< of the three corners' view grids
+  int64_t samples = 0;       ///< of all views
+  int64_t saturated = 0;     ///< of these: a channel is saturated
+  int64_t missing = 0;       ///< of these: too near a depth edge
+  int64_t seen_entries = 0;  ///< of the three corners' view grids
 };
-/// Samples a triangle's views, imputes what is saturated, and weighs the views at its three
-/// corners. A view that cannot be sampled at every point of the patch is left out.
+/// Samples a triangle's views, imputes what is no data, and weighs the views at its three corners.
+/// A view that cannot be sampled at every point of the patch, or holds too little data, is left
+/// out.
 ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
                                    const TriangleViews& views);
 

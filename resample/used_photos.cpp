@@ -22,14 +22,16 @@ std::map<std::string, PixelRays> RaysOfCameras(const std::vector<UsedPhoto>& pho
 }
 
 void ApplyMask(const Image& mask, const std::string& file, const Camera& camera,
-               std::vector<uint8_t>& usable) {
+               std::vector<PixelUse>& usable) {
   if (mask.width() != camera.width || mask.height() != camera.height) {
     throw Error(file + ": the mask has another size than the photograph");
   }
   const Image coded = ToSrgb8(mask);
   const uint8_t* values = coded.Data<uint8_t>();
   for (size_t i = 0; i < usable.size(); ++i) {
-    if (values[i * static_cast<size_t>(coded.channels())] < 128) usable[i] = 0;
+    if (values[i * static_cast<size_t>(coded.channels())] < 128) {
+      usable[i] = PixelUse::kForbidden;
+    }
   }
 }
 
@@ -85,8 +87,9 @@ std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
       ApplyMask(load_image(photo.mask), photo.mask, photo.camera, sight.usable);
     }
     SeenPhoto& result = seen[static_cast<size_t>(p)];
-    result.triangles = FindVisibleTriangles(mesh, deviations_mm, sight, options.max_grazing_deg);
-    result.pixels = MakePhotoPixels(picture, std::move(sight.usable), photo.camera, photo.file);
+    result.triangles = FindVisibleTriangles(mesh, deviations_mm, sight,
+                                            {options.max_grazing_deg, options.min_data_share});
+    result.pixels = MakePhotoPixels(picture, sight.usable, photo.camera, photo.file);
     progress.Advance();
   });
   return seen;

@@ -31,39 +31,54 @@ ProjectedVertices ProjectVertices(const TriangleMesh& mesh, const PhotoSight& si
   return projected;
 }
 
-bool IsUsable(const PhotoSight& sight, int x, int y) {
-  return sight.usable[static_cast<size_t>(y) * sight.depth.width + x] != 0;
-}
+enum class PointSight {
+  kHidden,    ///< occluded, outside the frame or the mask
+  kNearEdge,  ///< in sight, but its pixels are not data
+  kData,
+};
 
-/// True when the photograph shows this point (camera frame) of the mesh, and nothing else near it.
-bool ShowsPoint(const PhotoSight& sight, const Eigen::Vector3d& point, double tolerance_mm) {
+PointSight SeePoint(const PhotoSight& sight, const Eigen::Vector3d& point, double tolerance_mm) {
   const auto pixel = Project(sight.camera, point);
-  if (!pixel) return false;
-  const auto tap = TapAt(sight.depth.width, sight.depth.height, *pixel);
-  if (!tap) return false;
-  const bool usable = IsUsable(sight, tap->x, tap->y) && IsUsable(sight, tap->x + 1, tap->y) &&
-                      IsUsable(sight, tap->x, tap->y + 1) &&
-                      IsUsable(sight, tap->x + 1, tap->y + 1);
-  if (!usable) return false;
+  if (!pixel) return PointSight::kHidden;
   const DepthMap& map = sight.depth;
+  const auto tap = TapAt(map.width, map.height, *pixel);
+  if (!tap) return PointSight::kHidden;
+  const auto use_at = [&](int x, int y) {
+    return sight.usable[static_cast<size_t>(y) * map.width + x];
+  };
+  const PixelUse use = std::min({use_at(tap->x, tap->y), use_at(tap->x + 1, tap->y),
+                                 use_at(tap->x, tap->y + 1), use_at(tap->x + 1, tap->y + 1)});
+  if (use == PixelUse::kForbidden) return PointSight::kHidden;
+  if (use == PixelUse::kNearEdge) {
+    const float nearest =
+        map.At(tap->x + (tap->fx > 0.5F ? 1 : 0), tap->y + (tap->fy > 0.5F ? 1 : 0));
+    return point.z() > nearest + tolerance_mm ? PointSight::kHidden : PointSight::kNearEdge;
+  }
   const float top = (1 - tap->fx) * map.At(tap->x, tap->y) + tap->fx * map.At(tap->x + 1, tap->y);
   const float bottom =
       (1 - tap->fx) * map.At(tap->x, tap->y + 1) + tap->fx * map.At(tap->x + 1, tap->y + 1);
-  return std::abs((1 - tap->fy) * top + tap->fy * bottom - point.z()) <= tolerance_mm;
+  const double difference = (1 - tap->fy) * top + tap->fy * bottom - point.z();
+  return std::abs(difference) <= tolerance_mm ? PointSight::kData : PointSight::kHidden;
 }
 
-/// Every point of a triangular grid whose steps are at most one pixel.
+/// Every point of a triangular grid whose steps are at most one pixel: none hidden, enough data.
 bool ShowsTriangle(const PhotoSight& sight, const Corners& corners, double longest_edge_px,
-                   double tolerance_mm) {
+                   double tolerance_mm, double min_data_share) {
   for (const Eigen::Vector3d& corner : corners) {
-    if (!ShowsPoint(sight, corner, tolerance_mm)) return false;
+    if (SeePoint(sight, corner, tolerance_mm) == PointSight::kHidden) return false;
   }
   const int steps = std::max(1, static_cast<int>(std::ceil(longest_edge_px)));
+  const double points = 0.5 * (steps + 1) * (steps + 2);
+  const double spare_points = (1 - min_data_share) * points + 1e-9;
+  double near_edges = 0;
   for (int j = 0; j <= steps; ++j) {
     for (int i = 0; i + j <= steps; ++i) {
       const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps;
       const Eigen::Vector3d point = (1 - u - v) * corners[0] + u * corners[1] + v * corners[2];
-      if (!ShowsPoint(sight, point, tolerance_mm)) return false;
+      const PointSight seen = SeePoint(sight, point, tolerance_mm);
+      if (seen == PointSight::kHidden) return false;
+      near_edges += seen == PointSight::kNearEdge ? 1 : 0;
+      if (near_edges > spare_points) return false;
     }
   }
   return true;
@@ -109,8 +124,9 @@ std::vector<double> TriangleDeviations(const TriangleMesh& mesh, const RayScene&
 
 std::vector<VisibleTriangle> FindVisibleTriangles(const TriangleMesh& mesh,
                                                   const std::vector<double>& deviations_mm,
-                                                  const PhotoSight& sight, double max_grazing_deg) {
-  const double least_cosine = std::cos(max_grazing_deg * std::numbers::pi / 180);
+                                                  const PhotoSight& sight,
+                                                  const VisibilityRule& rule) {
+  const double least_cosine = std::cos(rule.max_grazing_deg * std::numbers::pi / 180);
   const double pixel_per_mm = 1 / std::min(sight.camera.fx, sight.camera.fy);
   const ProjectedVertices projected = ProjectVertices(mesh, sight);
   std::vector<VisibleTriangle> visible;
@@ -132,7 +148,7 @@ std::vector<VisibleTriangle> FindVisibleTriangles(const TriangleMesh& mesh,
     const double depth = std::max({corners[0].z(), corners[1].z(), corners[2].z()});
     const double slope = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
     const double tolerance = pixel_per_mm * depth * (1 + slope) + 2 * deviations_mm[t] / cosine;
-    if (!ShowsTriangle(sight, corners, longest, tolerance)) continue;
+    if (!ShowsTriangle(sight, corners, longest, tolerance, rule.min_data_share)) continue;
     visible.push_back({static_cast<int>(t), std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / 2});
   }
   return visible;

@@ -21,8 +21,13 @@ std::vector<double> TriangleDeviations(const TriangleMesh& mesh, const RayScene&
 struct PhotoSight {
   Camera camera;
   Pose camera_from_world;
-  DepthMap depth;               ///< of the dense surface
-  std::vector<uint8_t> usable;  ///< FindUsablePixels, and the photograph's mask
+  DepthMap depth;                ///< of the dense surface
+  std::vector<PixelUse> usable;  ///< FindUsablePixels, and the photograph's mask
+};
+
+struct VisibilityRule {
+  double max_grazing_deg = 80;
+  double min_data_share = 1;  ///< of a triangle's points, [0, 1]
 };
 
 struct VisibleTriangle {
@@ -33,13 +38,17 @@ struct VisibleTriangle {
 /// The triangles of `mesh` that a photograph shows completely (Chen 2002, section 5.2), ascending.
 ///
 /// A triangle counts when the angle between its normal and the direction to the camera is at most
-/// `max_grazing_deg` and, at points no farther apart than about one pixel (corners and edges
-/// included), all four pixels around the projection are usable and the depth that they show differs
-/// from the point's by no more than one pixel's size, the depth step of the triangle's slope over
-/// one pixel, and twice the triangle's deviation seen along the ray. Degenerate triangles are never
-/// visible. Runs in the calling thread.
+/// `max_grazing_deg`, it is completely inside the frame and the mask, completely unoccluded, and at
+/// least `min_data_share` of it is data. This is tested at points no farther apart than about one
+/// pixel, corners and edges included. A point is data when all four pixels around its projection
+/// are kData and the depth that they show differs from the point's by no more than the tolerance:
+/// one pixel's size, the depth step of the triangle's slope over one pixel, and twice the
+/// triangle's deviation seen along the ray. A point near a depth edge is not data, but unoccluded
+/// when the nearest pixel shows nothing in front of it beyond the tolerance. Degenerate triangles
+/// are never visible. Runs in the calling thread.
 std::vector<VisibleTriangle> FindVisibleTriangles(const TriangleMesh& mesh,
                                                   const std::vector<double>& deviations_mm,
-                                                  const PhotoSight& sight, double max_grazing_deg);
+                                                  const PhotoSight& sight,
+                                                  const VisibilityRule& rule);
 
 }  // namespace lfm

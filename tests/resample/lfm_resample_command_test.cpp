@@ -43,6 +43,7 @@ class LfmResampleCommand : public testing::Test {
       part->normals = ComputeVertexNormals(*part);
       part->confidence.assign(part->vertices.size(), 1);
     }
+    mesh.surface.confidence.assign(mesh.surface.vertices.size(), 1.0F);
     SaveMesh(mesh, work_ / "mesh");
   }
 

@@ -15,8 +15,9 @@ namespace {
 
 PhotoPixels PixelsOf(const Image& picture, const Camera& camera) {
   return MakePhotoPixels(
-      picture, std::vector<uint8_t>(static_cast<size_t>(camera.width) * camera.height, 255), camera,
-      "photo.png");
+      picture,
+      std::vector<PixelUse>(static_cast<size_t>(camera.width) * camera.height, PixelUse::kData),
+      camera, "photo.png");
 }
 
 Camera PlainCamera(int width, int height) {
@@ -70,11 +71,20 @@ TEST(SampleView, RefusesWhatIsOutsideOrNoData) {
   EXPECT_FALSE(at(-0.01, 5));
   EXPECT_FALSE(at(5, 15.01));
   EXPECT_FALSE(SampleView(photo, camera, Pose{}, {Eigen::Vector3d(0, 0, -300)}));
-  photo.rgbu[4 * (10 * 20 + 10) + 3] = 0;  // pixel (10, 10) is no data
+  uint8_t& use = photo.rgbu[4 * (10 * 20 + 10) + 3];  // of pixel (10, 10)
+  use = static_cast<uint8_t>(PixelUse::kForbidden);
   EXPECT_FALSE(at(10, 10));
   EXPECT_FALSE(at(9.5, 10.5));
   EXPECT_TRUE(at(9, 10));  // its neighbour is not read at weight zero
   EXPECT_FALSE(at(9.01, 10));
+  use = static_cast<uint8_t>(PixelUse::kNearEdge);
+  const auto view = at(9.5, 10.5);
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->data_samples, 1);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(view->knowledge[c], Knowledge::kData);
+    EXPECT_EQ(view->knowledge[3 + c], Knowledge::kMissing);
+  }
 }
 
 TEST(SampleView, MarksSaturatedChannels) {
@@ -85,7 +95,9 @@ TEST(SampleView, MarksSaturatedChannels) {
                                {300 * Unproject(camera, {7.5, 8}), 300 * Unproject(camera, {6, 8}),
                                 300 * Unproject(camera, {8, 8})});
   ASSERT_TRUE(view);
-  EXPECT_EQ(view->saturated, (std::vector<uint8_t>{0, 1, 0, 0, 0, 0, 0, 1, 0}));
+  const auto data = Knowledge::kData, bound = Knowledge::kLowerBound;
+  EXPECT_EQ(view->knowledge,
+            (std::vector<Knowledge>{data, bound, data, data, data, data, data, bound, data}));
   EXPECT_NEAR(view->values[1], Stored((80 + 255) / 2.0), 1);
 }
 

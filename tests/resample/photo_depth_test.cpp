@@ -76,7 +76,7 @@ TEST(FindUsablePixels, KeepsTheMarginOnBothSidesOfAnEdge) {
       for (int x = 0; x < 20; ++x) {
         const bool shown = std::isfinite(map.At(x, 7));
         const bool expected = shown && std::abs(x - 9.5) >= margin;
-        EXPECT_EQ(usable[7 * 20 + x] != 0, expected) << x << " margin " << margin;
+        EXPECT_EQ(usable[7 * 20 + x] == PixelUse::kData, expected) << x << " margin " << margin;
       }
     }
   }
@@ -88,7 +88,8 @@ TEST(FindUsablePixels, SeesEdgesInRowsAndColumns) {
     for (int x = 0; x < 15; ++x) map.depth[y * 15 + x] = 120;
   }
   const auto usable = FindUsablePixels(map, PlainCamera(15, 20, 100), 1.5);
-  for (int y = 0; y < 20; ++y) EXPECT_EQ(usable[y * 15 + 3] == 0, y == 9 || y == 10) << y;
+  for (int y = 0; y < 20; ++y)
+    EXPECT_EQ(usable[y * 15 + 3] == PixelUse::kNearEdge, y == 9 || y == 10) << y;
 }
 
 TEST(FindUsablePixels, AllowsSteepAndTurningSurfaces) {
@@ -99,14 +100,14 @@ TEST(FindUsablePixels, AllowsSteepAndTurningSurfaces) {
       map.depth[y * 20 + x] = static_cast<float>(100 + 5.0 * x + 0.15 * x * x);  // over 78 degrees
     }
   }
-  for (const uint8_t u : FindUsablePixels(map, camera, 1.5)) EXPECT_EQ(u, 255);
+  for (const PixelUse use : FindUsablePixels(map, camera, 1.5)) EXPECT_EQ(use, PixelUse::kData);
 }
 
 TEST(FindUsablePixels, DefinesEmptyAndTinyMaps) {
   const float nothing = std::numeric_limits<float>::infinity();
   const Camera camera = PlainCamera(1, 1, 100);
-  EXPECT_EQ(FindUsablePixels({1, 1, {nothing}}, camera, 2), std::vector<uint8_t>{0});
-  EXPECT_EQ(FindUsablePixels({1, 1, {50.0F}}, camera, 2), std::vector<uint8_t>{255});
+  EXPECT_EQ(FindUsablePixels({1, 1, {nothing}}, camera, 2), std::vector{PixelUse::kNearEdge});
+  EXPECT_EQ(FindUsablePixels({1, 1, {50.0F}}, camera, 2), std::vector{PixelUse::kData});
 }
 
 }  // namespace

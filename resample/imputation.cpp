@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "resample/imputation.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace lfm {
+namespace {
+
+using Eigen::Index;
+using Terms = Eigen::Vector2f;
+using Factor = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+// Of the largest singular value: small against what is known of most rows and views, large against
+// noise where little is.
+constexpr float kRidge_rel = 1e-3F;
+constexpr int kSweeps = 20;
+
+/// Means of what is known, a row at a time and a view and channel at a time.
+struct Means {
+  Eigen::VectorXf of_row;
+  Eigen::VectorXf row_count;
+  Eigen::MatrixXf of_view;  ///< 3 x views
+  Eigen::MatrixXf view_count;
+};
+
+Means MeansOfKnown(const PartialMatrix& matrix) {
+  const Index rows = matrix.values.rows(), views = matrix.values.cols();
+  Means means{Eigen::VectorXf::Zero(rows), Eigen::VectorXf::Zero(rows),
+              Eigen::MatrixXf::Zero(3, views), Eigen::MatrixXf::Zero(3, views)};
+  for (Index v = 0; v < views; ++v) {
+    for (Index r = 0; r < rows; ++r) {
+      if (matrix.knowledge(r, v) == Knowledge::kMissing) continue;
+      means.of_row[r] += matrix.values(r, v);
+      means.row_count[r] += 1;
+      means.of_view(r % 3, v) += matrix.values(r, v);
+      means.view_count(r % 3, v) += 1;
+    }
+  }
+  means.of_row.array() /= means.row_count.array().max(1);
+  means.of_view.array() /= means.view_count.array().max(1);
+  return means;
+}
+
+/// The matrix with its gaps filled for a start: by the row's mean, else by the view's.
+Eigen::MatrixXf FillGaps(const PartialMatrix& matrix, const Means& means) {
+  Eigen::MatrixXf filled = matrix.values;
+  for (Index v = 0; v < filled.cols(); ++v) {
+    for (Index r = 0; r < filled.rows(); ++r) {
+      if (matrix.knowledge(r, v) != Knowledge::kMissing) continue;
+      filled(r, v) = means.row_count[r] > 0 ? means.of_row[r] : means.of_view(r % 3, v);
+    }
+  }
+  return filled;
+}
+
+struct Factors {
+  Factor rows, views;
+  float ridge = 0;
+};
+
+/// Principal terms of the filled matrix, the singular value shared evenly by both sides: then one
+/// ridge holds a weak term back more than a strong one.
+Factors StartFactors(const Eigen::MatrixXf& filled, int terms) {
+  const Eigen::MatrixXd gram = (filled.transpose() * filled).cast<double>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+  Factors factors{Factor::Zero(filled.rows(), 2), Factor::Zero(filled.cols(), 2), 0};
+  for (int k = 0; k < terms; ++k) {
+    const Index column = filled.cols() - 1 - k;
+    const double singular = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
+    if (!(singular > 0)) break;
+    const Eigen::VectorXf direction = solver.eigenvectors().col(column).cast<float>();
+    const auto root = static_cast<float>(std::sqrt(singular));
+    factors.views.col(k) = direction * root;
+    factors.rows.col(k) = filled * direction / root;
+    if (k == 0) factors.ridge = kRidge_rel * static_cast<float>(singular);
+  }
+  return factors;
+}
+
+/// Ridge regression of one row (or view) on the other side's terms, by the normal equations of two
+/// unknowns; a term that is zero throughout stays zero.
+class Regression {
+ public:
+  void Add(const Terms& terms, float value) {
+    a_ += terms[0] * terms[0];
+    b_ += terms[0] * terms[1];
+    c_ += terms[1] * terms[1];
+    right_ += value * terms;
+  }
+  Terms Solve(float ridge) const {
+    const float a = a_ + ridge, c = c_ + ridge;
+    const float determinant = a * c - b_ * b_;
+    if (!(determinant > 0)) return Terms::Zero();
+    return Terms(c * right_[0] - b_ * right_[1], a * right_[1] - b_ * right_[0]) / determinant;
+  }
+
+ private:
+  float a_ = 0, b_ = 0, c_ = 0;
+  Terms right_ = Terms::Zero();
+};
+
+/// One sweep: every row given the views, or, with the roles exchanged by the accessors, the other
+/// way round.
+template <typename Value, typename Kind>
+void Sweep(const Factor& basis, float ridge, const Value& value, const Kind& kind, Factor& solved) {
+  for (Index i = 0; i < solved.rows(); ++i) {
+    Regression regression;
+    for (Index j = 0; j < basis.rows(); ++j) {
+      const Knowledge known = kind(i, j);
+      if (known == Knowledge::kMissing) continue;
+      const Terms terms = basis.row(j);
+      const bool reached =
+          known == Knowledge::kLowerBound && solved.row(i).dot(terms.transpose()) >= value(i, j);
+      if (!reached) regression.Add(terms, value(i, j));
+    }
+    solved.row(i) = regression.Solve(ridge).transpose();
+  }
+}
+
+Factors Fit(const PartialMatrix& matrix, const Means& means) {
+  constexpr Index kViewsForTwoTerms = 6;
+  const int terms = matrix.values.cols() >= kViewsForTwoTerms ? 2 : 1;
+  Factors factors = StartFactors(FillGaps(matrix, means), terms);
+  const auto value = [&](Index r, Index v) { return matrix.values(r, v); };
+  const auto kind = [&](Index r, Index v) { return matrix.knowledge(r, v); };
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    Sweep(factors.views, factors.ridge, value, kind, factors.rows);
+    Sweep(
+        factors.rows, factors.ridge, [&](Index v, Index r) { return value(r, v); },
+        [&](Index v, Index r) { return kind(r, v); }, factors.views);
+  }
+  return factors;
+}
+
+}  // namespace
+
+Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling) {
+  Eigen::MatrixXf result = matrix.values;
+  const bool complete = (matrix.knowledge.array() == Knowledge::kData).all();
+  if (complete) return result;
+  const Means means = MeansOfKnown(matrix);
+  const Factors factors = Fit(matrix, means);
+  for (Index v = 0; v < result.cols(); ++v) {
+    for (Index r = 0; r < result.rows(); ++r) {
+      const Knowledge known = matrix.knowledge(r, v);
+      if (known == Knowledge::kData) continue;
+      float estimate = factors.rows.row(r).dot(factors.views.row(v));
+      if (known == Knowledge::kLowerBound) {
+        estimate = std::max(estimate, matrix.values(r, v));
+      } else if (means.row_count[r] == 0) {
+        estimate = means.of_view(r % 3, v);
+      } else if (means.view_count.col(v).sum() == 0) {
+        estimate = means.of_row[r];
+      }
+      result(r, v) = std::clamp(estimate, 0.0F, ceiling);
+    }
+  }
+  return result;
+}
+
+}  // namespace lfm

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace lfm {
+
+/// What is known of a sample in one view.
+enum class Knowledge : uint8_t {
+  kData,        ///< its value
+  kLowerBound,  ///< at least its value: a pixel was saturated
+  kMissing,     ///< nothing: it lies too near a depth edge
+};
+
+/// The views of one patch, some entries of which are not data.
+struct PartialMatrix {
+  /// Rows x views; rows are samples times three channels, channel = row % 3. What stands at a
+  /// missing entry is not used, but must be finite.
+  Eigen::MatrixXf values;
+  Eigen::Matrix<Knowledge, Eigen::Dynamic, Eigen::Dynamic> knowledge;  ///< the same shape
+};
+
+/// Estimates what the entries that are not data would have been: a low-rank fit with one-sided
+/// residuals.
+///
+/// Two terms (a diffuse and a glossy part; one term with fewer than six views) are fitted by
+/// alternating ridge regression to the entries that are data. A lower bound takes part only while
+/// the fit lies below it, and then pulls towards it; it becomes max(bound, fit). A missing entry
+/// becomes the fit, not below zero. Both are at most `ceiling`. Data stay as they are, bit for bit.
+///
+/// No view is dropped for being saturated: those are the views that show the highlight, and a
+/// triangle without them would be too dark there. A row without any data or bound takes the mean of
+/// each view's rows of the same channel; a view without any takes the means over views. With no
+/// data and no bound at all the estimates are zero. Never NaN for finite values. The ridge costs
+/// about a thousandth of a well-known value, more where little is known.
+Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling);
+
+}  // namespace lfm
