@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/evaluation.h"
 
+#include <memory>
+
 #include "calib/calib_files.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/ply.h"
+#include "core/ray_scene.h"
 #include "encode/glb.h"
 #include "mesh/mesh_files.h"
 #include "pipeline/heldout.h"
@@ -23,8 +26,8 @@ PictureOf PhotographsOf(const Capture& capture) {
 }
 
 PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib) {
-  return [&surface, &calib](const PosedImage& photo) {
-    return RenderSilhouette(surface, calib.cameras.at(photo.camera), photo.camera_from_world);
+  return [rays = std::make_shared<RayScene>(surface), &calib](const PosedImage& photo) {
+    return RenderSilhouette(*rays, calib.cameras.at(photo.camera), photo.camera_from_world);
   };
 }
 

@@ -10,6 +10,7 @@
 #include "calib/calib_pictures.h"
 #include "core/error.h"
 #include "core/ply.h"
+#include "core/ray_scene.h"
 #include "encode/encode_pictures.h"
 #include "encode/glb.h"
 #include "mesh/mesh_files.h"
@@ -136,11 +137,12 @@ void DrawHeldout(const Capture& capture, const CalibResult& calib, const Triangl
     if (photo.split == PhotoSplit::kTest) tests.push_back(photo);
   }
   const ImageLoader load = MakeImageLoader(capture);
+  const RayScene rays(surface);
   constexpr int kGain = 8, kMargin = 6, kAllTerms = 1 << 20;
   for (const PosedImage& photo : Spread(tests, 4)) {
     const Image picture = ToSrgb8(load(photo.file));
     const Image mask =
-        RenderSilhouette(surface, calib.cameras.at(photo.camera), photo.camera_from_world);
+        RenderSilhouette(rays, calib.cameras.at(photo.camera), photo.camera_from_world);
     const Image full = RenderPhotoCamera(renderer, calib, photo, kAllTerms);
     const Image mean_only = RenderPhotoCamera(renderer, calib, photo, 0);
     const Image difference = DifferencePicture(picture, full, mask, kGain);

@@ -270,6 +270,25 @@ TEST(Studio, TinyKeepsWhatIsGiven) {
   EXPECT_EQ(ResolveTiny(StudioOptions()).photo_width, 960);
 }
 
+TEST(TinyCapture, LoadsCompleteAndStaysSmall) {
+  const std::filesystem::path folder = std::filesystem::path(LFM_SOURCE_DIR) / "sample_data/tiny";
+  const Capture capture = LoadCapture(folder);
+  const Capture truth = LoadCapture(folder / "ground_truth");
+  EXPECT_TRUE(truth.BringsGeometry());
+  EXPECT_GE(capture.photos.size(), 20u);
+  const ImageLoader load = MakeImageLoader(capture);
+  for (const Photo& photo : capture.photos) EXPECT_EQ(load(photo.file).width(), 320);
+  ASSERT_TRUE(capture.scanner);
+  for (const ScanSet& set : capture.scanner->placements) {
+    for (const std::string& frame : set.frames) EXPECT_EQ(load(frame).channels(), 1);
+  }
+  uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  }
+  EXPECT_LE(bytes, 2'000'000u);
+}
+
 int RunCommand(const std::string& arguments) {
   const std::string command =
       std::string(LFM_BIN_DIR) + "/lfm-capture " + arguments + " > /dev/null 2>&1";
