@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 
 #include "encode/factored_operator.h"
 #include "tests/encode/synthetic_light_field.h"
@@ -20,29 +21,13 @@ inline PatchMean ArbitraryMean(const SyntheticLightField& field, int triangle) {
 }
 
 /// F^v by its definition (hat times resampled value minus mean), in float64.
-inline Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
-                                   const std::function<PatchMean(int)>& mean_of = nullptr) {
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(f.rows, f.cols());
-  for (const RingBlock& block : f.blocks) {
-    const SyntheticLightField::Triangle& triangle = field.triangles[block.triangle];
-    if (triangle.photos.empty()) continue;
-    const PatchMean mean = mean_of ? mean_of(block.triangle) : ArbitraryMean(field, block.triangle);
-    const int n = triangle.edge_samples;
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i + j < n; ++i) {
-        const int sample = PatchSampleIndex(n, i, j);
-        const double hat = PatchSampleWeights(n, i, j)[block.corner];
-        for (int col = 0; col < f.cols(); ++col) {
-          const int channel = col / f.directions;
-          dense(block.first_row + sample, col) =
-              hat * (ResampledValue(field, block.triangle, block.corner, sample, channel,
-                                    col % f.directions) -
-                     mean[3 * sample + channel]);
-        }
-      }
-    }
-  }
-  return dense;
-}
+Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
+                            const std::function<PatchMean(int)>& mean_of = nullptr);
+
+/// All of them, descending, by divide and conquer in float64.
+Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix);
+
+/// Orthonormal columns that span the columns of `matrix` (Householder, float64).
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& matrix);
 
 }  // namespace lfm::testing

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -47,8 +45,7 @@ Eigen::MatrixXd RandomNormal(int rows, int cols, int seed) {
 }
 
 Eigen::MatrixXd RandomOrthonormal(int rows, int cols, int seed) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(RandomNormal(rows, cols, seed));
-  return qr.householderQ() * Eigen::MatrixXd::Identity(rows, cols);
+  return OrthonormalBasis(RandomNormal(rows, cols, seed));
 }
 
 // 300 x 120 with the given singular values.
@@ -72,9 +69,8 @@ Residuals Compare(const Eigen::MatrixXd& f_double, int terms, const PcaOptions& 
   const Eigen::MatrixXd approximation =
       Columns(pca.left, f.rows(), pca.width, pca.terms) *
       (Columns(pca.right, f.cols(), pca.width, pca.terms) / unit).transpose();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(exact / unit);
-  const Eigen::VectorXd tail =
-      svd.singularValues().tail(std::max<Eigen::Index>(0, svd.singularValues().size() - terms));
+  const Eigen::VectorXd values = SingularValues(exact / unit);
+  const Eigen::VectorXd tail = values.tail(std::max<Eigen::Index>(0, values.size() - terms));
   if (out != nullptr) *out = pca;
   return {(exact / unit - approximation).norm() / norm, tail.norm() / norm};
 }

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "encode/pca.h"
@@ -159,9 +157,7 @@ TEST_F(VertexFactorization, QuantisationCostsLittle) {
       FactorizeVertex(ring.f, ring.shared, {.terms = 3, .guessed_weight = 1});
   const std::vector<float> ones(ring.f.directions, 1.f);
   const PcaResult pca = ComputePca(ScaledMap(ring.f, ones), {.terms = 3});
-  const Eigen::MatrixXd basis =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(ContinuousLeft(ring, pca)).householderQ() *
-      Eigen::MatrixXd::Identity(ring.f.rows, 3);
+  const Eigen::MatrixXd basis = OrthonormalBasis(ContinuousLeft(ring, pca));
   const double best = ring.dense.squaredNorm() - (basis.transpose() * ring.dense).squaredNorm();
   const double levels = 255 * std::sqrt(std::max(0.0, result.squared_error - best) /
                                         static_cast<double>(ring.dense.size()));
@@ -273,8 +269,7 @@ TEST_F(VertexFactorization, GoesOnIntoTrianglesThatNobodySaw) {
   decoded.middleRows(hole.first_row, hole.samples).setZero();
   const double error = (ring.dense - decoded).squaredNorm();
   EXPECT_NEAR(result.squared_error, error, 1e-5 * ring.dense.squaredNorm());
-  const double best = ring.dense.squaredNorm() -
-                      std::pow(Eigen::BDCSVD<Eigen::MatrixXd>(ring.dense).singularValues()[0], 2);
+  const double best = ring.dense.squaredNorm() - std::pow(SingularValues(ring.dense)[0], 2);
   EXPECT_LE(error, 1.2 * best);
 }
 
