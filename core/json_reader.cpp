@@ -123,9 +123,7 @@ void JsonReader::Finish() const {
   }
 }
 
-nlohmann::json ReadJson(const std::filesystem::path& file) {
-  constexpr size_t kMaxBytes = size_t{256} << 20;
-  const std::string text = ReadFile(file, kMaxBytes);
+nlohmann::json ParseJson(std::string_view text, const std::string& file) {
   // A deeply nested file would exhaust the stack when it is destroyed.
   constexpr int kMaxDepth = 64;
   const auto limit_depth = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
@@ -137,11 +135,16 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
   } catch (const nlohmann::json::exception& e) {
     const std::string what = e.what();  // "[json...] parse error at line 1, column 2: ..."
     const size_t start = what.find("] ");
-    throw Error(file.string() + ": is not valid JSON: " +
+    throw Error(file + ": is not valid JSON: " +
                 (start == std::string::npos ? what : what.substr(start + 2)));
   } catch (const Error& e) {
-    throw Error(file.string() + ": is not valid JSON: " + e.what());
+    throw Error(file + ": is not valid JSON: " + e.what());
   }
+}
+
+nlohmann::json ReadJson(const std::filesystem::path& file) {
+  constexpr size_t kMaxBytes = size_t{256} << 20;
+  return ParseJson(ReadFile(file, kMaxBytes), file.string());
 }
 
 void WriteJson(const nlohmann::json& json, const std::filesystem::path& file) {

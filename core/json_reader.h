@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/pose.h"
@@ -42,6 +43,9 @@ class JsonReader {
   std::set<std::string> seen_;
 };
 
+/// Parses JSON text; Error with line and column, naming `file`, when it is malformed or nested more
+/// than 64 deep.
+nlohmann::json ParseJson(std::string_view text, const std::string& file);
 /// Parses a JSON file of at most 256 MB; Error with line and column when it is malformed.
 nlohmann::json ReadJson(const std::filesystem::path& file);
 /// Indented, keys in order, numbers round-trip; atomic.

@@ -125,19 +125,26 @@ double MatrixPsnr(double squared_error, int64_t entries) {
                       : PsnrFromMse(255.0 * 255.0 * squared_error / static_cast<double>(entries));
 }
 
+// Terms that no vertex has are not part of the model.
+void DropEmptyTerms(int terms_max, LightFieldModel& model) {
+  model.terms = terms_max;
+  model.surface_pages.resize(terms_max);
+  model.view_pages.resize(terms_max);
+  model.surface_ranges.resize(terms_max * model.vertex_frames.size());
+  model.view_ranges.resize(terms_max * model.vertex_frames.size());
+}
+
 void Summarize(const std::vector<VertexFigures>& figures, const LightFieldSource& source,
                EncodeResult& result) {
   double energy = 0, error = 0;
   int64_t entries = 0, terms = 0, with_energy = 0;
-  result.singular_value_share.assign(result.model.terms, 0.0);
   for (size_t v = 0; v < figures.size(); ++v) {
     energy += figures[v].energy;
     error += figures[v].squared_error;
     entries += figures[v].entries;
     with_energy += figures[v].energy > 0;
     terms += result.model.vertex_terms[v];
-    result.terms_max = std::max(result.terms_max, result.model.vertex_terms[v]);
-    for (int k = 0; k < result.model.terms; ++k) {
+    for (size_t k = 0; k < result.singular_value_share.size(); ++k) {
       result.singular_value_share[k] += figures[v].shares[k];
     }
   }
@@ -190,6 +197,10 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
     figures[v] = EncodeVertex(source, mean_view, ring, static_cast<int>(v), options, result.model);
     progress.Advance();
   });
+  result.terms_max = *std::max_element(result.model.vertex_terms.begin(),
+                                       result.model.vertex_terms.end());
+  result.singular_value_share.assign(options.terms, 0.0);
+  DropEmptyTerms(result.terms_max, result.model);
   result.model = FillGutters(std::move(result.model));
   Summarize(figures, source, result);
   return result;

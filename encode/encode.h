@@ -33,7 +33,8 @@ struct EncodeResult {
   double compression_ratio = 0;  ///< dense_bytes / maps_bytes
   /// The quantised model against the resampled light field, 1.0 being the peak: over all vertex
   /// matrices F^v (hat-weighted, mean view removed, all grid directions alike, guessed ones too),
-  /// mean squared error weighted by their number of entries M x 3N; -10 log10 of it, 99 at most.
+  /// mean squared error weighted by their number of entries (rows of triangles that some
+  /// photograph saw, times 3N); -10 log10 of it, 99 at most.
   /// This is the paper's "weighted average over all light field matrices" (Section 6.2); being
   /// hat-weighted it reads higher than the PSNR of a picture.
   double matrix_psnr_db = 0;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/json_reader.h"
 
 namespace lfm {
 namespace {
@@ -84,11 +85,7 @@ GlbContainer ParseGlb(std::string_view bytes, const std::string& file) {
     Fail(file, "bytes follow the last GLB chunk");
   }
   GlbContainer container;
-  try {
-    container.json = nlohmann::json::parse(json);
-  } catch (const nlohmann::json::exception&) {
-    Fail(file, "its JSON chunk is malformed");
-  }
+  container.json = ParseJson(json, file);
   container.binary = binary;
   return container;
 }

@@ -295,7 +295,9 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   const std::vector<float> column_scale = ColumnScale(f, options.guessed_weight);
   const Energies energies = ComputeEnergies(f, column_scale);
   VertexTerms result;
-  result.entries = int64_t{f.rows} * f.cols();
+  for (const RingBlock& block : f.blocks) {
+    if (block.views > 0) result.entries += int64_t{block.samples} * f.cols();
+  }
   result.energy = result.squared_error = energies.plain;
   result.singular_value_share.assign(options.terms, 0.0);
   const LinearMap scaled = ScaledMap(f, column_scale);

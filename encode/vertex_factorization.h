@@ -22,7 +22,7 @@ struct VertexTerms {
   std::vector<TermMaps> terms;  ///< as many as are visible, at most the wanted number
   double energy = 0;            ///< ||F||^2, mean view removed, all directions alike
   double squared_error = 0;     ///< ||F - U V^T||^2 of the quantised maps
-  int64_t entries = 0;          ///< M * 3N
+  int64_t entries = 0;          ///< rows of triangles that photographs saw, times 3N
   /// Share of the (direction-weighted) energy that each wanted term captures before quantisation;
   /// 0 where there is no energy.
   std::vector<double> singular_value_share;

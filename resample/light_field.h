@@ -20,6 +20,7 @@ namespace lfm {
 /// edges included, n (n + 1) / 2 in all. Sample (i, j), i + j < n, lies at barycentric weights
 /// (1 - (i + j) / (n - 1), i / (n - 1), j / (n - 1)) of corners 0, 1, 2; its index runs j outer,
 /// i inner. n >= 2.
+inline constexpr int kMaxEdgeSamples = 257;  ///< of any light field file
 int PatchSampleCount(int n);
 int PatchSampleIndex(int n, int i, int j);
 Eigen::Vector3d PatchSampleWeights(int n, int i, int j);

@@ -74,7 +74,7 @@ Buffer EncodePhotoIds(const std::vector<std::string>& ids) {
 Buffer EncodeTriangle(const LightFieldWriter::Triangle& triangle, size_t photo_count,
                       size_t entry_count) {
   const size_t views = triangle.photos.size();
-  Require(triangle.edge_samples >= 2 && triangle.edge_samples <= 65535, "bad patch size");
+  Require(triangle.edge_samples >= 2 && triangle.edge_samples <= kMaxEdgeSamples, "bad patch size");
   const auto edge = static_cast<uint64_t>(triangle.edge_samples);
   Require(triangle.values.size() == lfs::ValueCount(edge, views), "bad number of values");
   Buffer buffer;

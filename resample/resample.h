@@ -48,7 +48,8 @@ struct ResampleOptions {
          "it keeps the margin (the rest is estimated from the other photographs); 1 = all.",
          "", 0.05, 1},
         min_data_share);
-    v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3, 257},
+    v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3,
+               kMaxEdgeSamples},
               max_edge_samples);
     v.Enumeration({"sample-on",
                    "Points to sample: of the mesh (exact in each photograph's own view), or of the "

@@ -68,6 +68,10 @@ class EdgeSplitter {
         const Eigen::Vector3f color = 0.5f * (mesh_.colors[a] + mesh_.colors[b]);
         mesh_.colors.push_back(color);
       }
+      if (!mesh_.confidence.empty()) {
+        const float confidence = 0.5f * (mesh_.confidence[a] + mesh_.confidence[b]);
+        mesh_.confidence.push_back(confidence);
+      }
     }
     return entry->second;
   }
@@ -151,6 +155,7 @@ Subject MakeSubject(TriangleMesh mesh, double height_mm, double edge_mm, uint64_
   const V3 foot(box.center().x(), box.center().y(), box.min().z());
   for (V3& p : mesh.vertices) p = scale * (p - foot);
   if (mesh.normals.empty()) mesh.normals = ComputeVertexNormals(mesh);
+  mesh.confidence.clear();  // what was measured elsewhere says nothing here
   Subject subject;
   subject.mesh = SplitLongEdges(std::move(mesh), edge_mm);
   const std::vector<Eigen::Vector3f> base = subject.mesh.colors;

@@ -27,7 +27,7 @@ Subject MakeBust(double edge_mm, uint64_t seed);
 Subject MakeSubject(TriangleMesh mesh, double height_mm, double edge_mm, uint64_t seed);
 
 /// Splits every edge longer than `edge_mm` in the middle until none is; neighbours stay joined.
-/// Colours and normals are interpolated.
+/// Colours, normals and confidence are interpolated.
 TriangleMesh SplitLongEdges(TriangleMesh mesh, double edge_mm);
 
 }  // namespace lfm

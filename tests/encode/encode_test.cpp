@@ -124,6 +124,19 @@ TEST(Encode, FillsTrianglesThatNobodySaw) {
   }
 }
 
+TEST(Encode, TrianglesThatNobodySawDoNotFlatterTheFigures) {
+  SyntheticLightField field = Glossy(6);
+  const double all_seen = Encode(field.Source(), {.terms = 0}, SilentProgress()).matrix_psnr_db;
+  for (size_t t = 0; t < field.triangles.size(); t += 2) {
+    field.triangles[t].photos.clear();
+    field.triangles[t].values.clear();
+    field.triangles[t].weights = {};
+  }
+  const EncodeResult result = Encode(field.Source(), {.terms = 0}, SilentProgress());
+  ASSERT_GT(result.unseen_triangles, static_cast<int>(field.triangles.size()) / 4);
+  EXPECT_NEAR(result.matrix_psnr_db, all_seen, 1.0);
+}
+
 TEST(Encode, AllBlackStaysBlack) {
   const SyntheticLightField field = MakeLightField(
       MakeSphere(1), 6, 60, [](int) { return 4; },
@@ -132,6 +145,8 @@ TEST(Encode, AllBlackStaysBlack) {
       });
   const EncodeResult result = Encode(field.Source(), {.terms = 3}, SilentProgress());
   EXPECT_EQ(result.terms_max, 0);
+  EXPECT_EQ(result.model.terms, 0) << "terms that no vertex has";
+  EXPECT_TRUE(result.model.surface_pages.empty() && result.model.view_pages.empty());
   EXPECT_EQ(result.matrix_psnr_db, 99);
   EXPECT_EQ(EvaluateModel(result.model, 0, {0.3, 0.3, 0.4}, {0, 0, 1}), Eigen::Vector3f::Zero());
 }

@@ -233,6 +233,14 @@ TEST_F(Glb, SurvivesHostileDocuments) {
   EXPECT_EQ(damaged.json, good.json);
 }
 
+TEST_F(Glb, RefusesADocumentThatIsNestedTooDeeply) {
+  GlbContainer container = ParseGlb(Written(MakeModel(0, 3, 1)), "model.glb");
+  nlohmann::json nested = nlohmann::json::array();
+  for (int depth = 0; depth < 1000; ++depth) nested = nlohmann::json::array({nested});
+  container.json["extras"] = nested;
+  EXPECT_THROW(ParseGlb(BuildGlb(container), "model.glb"), Error);
+}
+
 // The published schema lists the keys that are written, no more and no fewer.
 TEST_F(Glb, SchemaListsTheKeys) {
   const nlohmann::json schema =

@@ -271,6 +271,8 @@ TEST(LightField, RefusesHostileContentWithRightChecksums) {
   expect_refused(forged(lfs::kIndex, offsetof(Entry, offset), uint64_t{8}), "offset");
   expect_refused(forged(lfs::kIndex, offsetof(Entry, bytes), ~uint64_t{7}), "bytes");
   expect_refused(forged(lfs::kIndex, offsetof(Entry, edge_samples), uint32_t{65535}), "patch size");
+  expect_refused(forged(lfs::kIndex, offsetof(Entry, edge_samples), uint32_t{kMaxEdgeSamples + 1}),
+                 "patch just too large");
   expect_refused(forged(lfs::kIndex, offsetof(Entry, edge_samples), uint32_t{0}), "no patch");
   expect_refused(forged(lfs::kIndex, offsetof(Entry, views), uint32_t{3}), "views");
   expect_refused(forged(lfs::kIndex, offsetof(Entry, views), ~uint32_t{0}), "many views");

@@ -107,6 +107,18 @@ TEST(Subject, StandsAnyMeshOnThePlatform) {
   EXPECT_EQ(subject.paint.size(), subject.mesh.vertices.size());
 }
 
+TEST(Subject, TakesAMeshWithEverythingThatAMeshMayHave) {
+  TriangleMesh mesh = Tetrahedron();
+  mesh.confidence.assign(mesh.vertices.size(), 0.5f);
+  mesh.colors.assign(mesh.vertices.size(), Eigen::Vector3f(0.2f, 0.4f, 0.6f));
+  const TriangleMesh split = SplitLongEdges(mesh, 0.4);
+  EXPECT_EQ(split.confidence, std::vector<float>(split.vertices.size(), 0.5f));
+  EXPECT_EQ(split.colors.size(), split.vertices.size());
+  const Subject subject = MakeSubject(mesh, 100, 5, 1);
+  EXPECT_TRUE(subject.mesh.confidence.empty());
+  EXPECT_EQ(subject.mesh.colors.size(), subject.mesh.vertices.size());
+}
+
 TEST(Subject, RejectsFlatAndHostileMeshes) {
   TriangleMesh flat = Tetrahedron();
   flat.vertices[3].z() = 0;
