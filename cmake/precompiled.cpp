@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Nothing of its own: the target that owns the precompiled headers needs a file.
