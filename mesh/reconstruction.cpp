@@ -14,6 +14,7 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/nearest_points.h"
 #include "mesh/plane_cut.h"
+#include "mesh/point_fit.h"
 #include "mesh/poisson.h"
 
 namespace lfm {
@@ -122,7 +123,7 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
     }
   }
   progress.Advance();
-  surface = FlipTowardsDelaunay(surface);
+  surface = FitToPoints(FlipTowardsDelaunay(surface), object, cell_mm);
   progress.Advance();
   surface.normals = ComputeVertexNormals(surface);
   surface.confidence = MeasureConfidence(

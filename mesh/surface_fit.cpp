@@ -10,12 +10,12 @@
 
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "mesh/vertex_moves.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kSameSideCosine = 0.5;
-constexpr double kLargestTurnCosine = 0.7;
 // Weight of staying, in samples.
 constexpr double kInertia = 0.05;
 
@@ -95,33 +95,6 @@ Eigen::VectorXd SolveMoves(const std::vector<Equation>& equations, const std::ve
   Eigen::VectorXd moves = solver.solve(right);
   if (!moves.allFinite()) moves.setZero();
   return moves;
-}
-
-// Halves the moves of vertices whose triangles would turn too far, until none does.
-std::vector<Eigen::Vector3d> MoveWithoutFlips(const TriangleMesh& mesh,
-                                              const std::vector<Eigen::Vector3d>& directions,
-                                              Eigen::VectorXd moves) {
-  TriangleMesh moved = mesh;
-  constexpr int kHalvings = 8;
-  for (int attempt = 0; attempt <= kHalvings; ++attempt) {
-    for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-      moved.vertices[v] = mesh.vertices[v] + moves[static_cast<Eigen::Index>(v)] * directions[v];
-    }
-    bool held_back = false;
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const int index = static_cast<int>(t);
-      if (TriangleNormal(mesh, index).dot(TriangleNormal(moved, index)) > kLargestTurnCosine) {
-        continue;
-      }
-      for (int k = 0; k < 3; ++k) {
-        double& move = moves[mesh.triangles[t][k]];
-        held_back |= move != 0;
-        move = attempt + 1 < kHalvings ? 0.5 * move : 0;
-      }
-    }
-    if (!held_back) return moved.vertices;
-  }
-  return mesh.vertices;
 }
 
 }  // namespace

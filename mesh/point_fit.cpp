@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/point_fit.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "mesh/nearest_points.h"
+#include "mesh/vertex_moves.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kPasses = 2;
+constexpr int kNeighbors = 40;
+constexpr double kReachInSigmas = 2.5, kLargestResidualInSigmas = 2;
+constexpr double kLikeNormalCosine = 0.3;
+// Weight of staying, in points of full confidence.
+constexpr double kInertia = 0.2;
+
+constexpr float kNoResidual = std::numeric_limits<float>::quiet_NaN();
+
+std::vector<float> Residuals(const TriangleMesh& mesh, const PointCloud& points, double largest) {
+  const RayScene scene(mesh);
+  std::vector<float> residuals(points.points.size(), kNoResidual);
+  ParallelFor(
+      0, static_cast<int64_t>(residuals.size()),
+      [&](int64_t i) {
+        const auto closest = scene.Closest(points.points[i]);
+        if (!closest || closest->distance > largest) return;
+        const Eigen::Vector3d normal = TriangleNormal(mesh, closest->triangle);
+        if (normal.dot(points.normals[i]) < kLikeNormalCosine) return;
+        residuals[i] = static_cast<float>(normal.dot(points.points[i] - closest->point));
+      },
+      256);
+  return residuals;
+}
+
+}  // namespace
+
+TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, double sigma_mm) {
+  TriangleMesh fitted = mesh;
+  if (points.points.empty()) return fitted;
+  const NearestPoints index(points.points);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<float> residuals =
+        Residuals(fitted, points, kLargestResidualInSigmas * sigma_mm);
+    const std::vector<Eigen::Vector3d> normals = ComputeVertexNormals(fitted);
+    Eigen::VectorXd moves = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(normals.size()));
+    ParallelFor(
+        0, moves.size(),
+        [&](int64_t v) {
+          if (fitted.vertices[v].z() <= 0) return;
+          double sum = 0, weights = kInertia;
+          for (const NearPoint& near : index.Find(fitted.vertices[v], kNeighbors)) {
+            if (near.distance > kReachInSigmas * sigma_mm) break;
+            const float residual = residuals[near.index];
+            if (std::isnan(residual)) continue;
+            if (points.normals[near.index].dot(normals[v]) < kLikeNormalCosine) continue;
+            const double in_sigmas = near.distance / sigma_mm;
+            const double weight =
+                points.confidence[near.index] * std::exp(-0.5 * in_sigmas * in_sigmas);
+            weights += weight;
+            sum += weight * residual;
+          }
+          moves[v] = sum / weights;
+        },
+        256);
+    fitted.vertices = MoveWithoutFlips(fitted, normals, std::move(moves));
+  }
+  return fitted;
+}
+
+}  // namespace lfm
