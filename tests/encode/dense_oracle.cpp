@@ -8,7 +8,7 @@
 namespace lfm::testing {
 
 Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
-                                   const std::function<PatchMean(int)>& mean_of) {
+                            const std::function<PatchMean(int)>& mean_of) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(f.rows, f.cols());
   for (const RingBlock& block : f.blocks) {
     const SyntheticLightField::Triangle& triangle = field.triangles[block.triangle];
