@@ -197,8 +197,8 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
     figures[v] = EncodeVertex(source, mean_view, ring, static_cast<int>(v), options, result.model);
     progress.Advance();
   });
-  result.terms_max = *std::max_element(result.model.vertex_terms.begin(),
-                                       result.model.vertex_terms.end());
+  result.terms_max =
+      *std::max_element(result.model.vertex_terms.begin(), result.model.vertex_terms.end());
   result.singular_value_share.assign(options.terms, 0.0);
   DropEmptyTerms(result.terms_max, result.model);
   result.model = FillGutters(std::move(result.model));
