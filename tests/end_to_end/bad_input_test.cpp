@@ -36,10 +36,6 @@ void ExpectInputError(const CommandOutcome& outcome, const std::vector<std::stri
   EXPECT_TRUE(IsOneLineWith(outcome.err, parts)) << outcome.err;
 }
 
-std::string FirstPhoto(const SmallCapture& small) {
-  return small.Manifest()["photos"][0]["file"].get<std::string>();
-}
-
 json Rejected(const SmallCapture& small, const std::string& stage) {
   return ReadJson(small.work() / stage / "stage.json")["figures"]["rejected"];
 }
