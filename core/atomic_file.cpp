@@ -16,13 +16,6 @@
 namespace lfm {
 namespace {
 
-[[noreturn]] void FailWriting(const std::filesystem::path& file, int error) {
-  const char* cure = error == ENOSPC || error == EDQUOT ? "free some space and run again"
-                                                        : "check that the folder can be written";
-  throw Error(file.string() + ": cannot be written (" + std::strerror(error) + "); " + cure,
-              ErrorKind::kSystem);
-}
-
 // A full disk may show only when the data reaches it.
 void FlushToDisk(const std::filesystem::path& temporary, const std::filesystem::path& file) {
   const int descriptor = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
@@ -57,6 +50,13 @@ class Temporary {
 };
 
 }  // namespace
+
+void FailWriting(const std::filesystem::path& file, int error) {
+  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+  throw Error(file.string() + ": cannot be written (" + std::strerror(error) + "); " +
+                  (full ? "free some space and run again" : "check that the folder can be written"),
+              ErrorKind::kSystem);
+}
 
 void WriteFileAtomically(const std::filesystem::path& file,
                          const std::function<void(const std::filesystem::path&)>& write) {

@@ -19,6 +19,10 @@ void WriteFileAtomically(const std::filesystem::path& file,
 /// The same for content in memory.
 void WriteFileAtomically(const std::filesystem::path& file, std::string_view content);
 
+/// Throws the Error (kSystem) of a file or folder that cannot be written: `error` is the errno that
+/// the system gave. A full disk, quota or file size limit is told from a folder without access.
+[[noreturn]] void FailWriting(const std::filesystem::path& file, int error);
+
 /// A whole file. Throws Error when it is missing, a folder, or longer than `max_bytes`.
 std::string ReadFile(const std::filesystem::path& file, size_t max_bytes = size_t{1} << 34);
 

@@ -49,6 +49,21 @@ std::string PathProblem(const std::filesystem::path& folder, const std::string& 
   return "";
 }
 
+/// Why `id` may not name a picture; empty when it may. Ids become file names.
+std::string IdProblem(const std::string& id) {
+  constexpr size_t kMaxLength = 64;
+  const auto is_allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  if (id.empty()) return "is empty";
+  if (id.size() > kMaxLength) return "is longer than " + std::to_string(kMaxLength) + " characters";
+  if (id.front() == '.' || !std::all_of(id.begin(), id.end(), is_allowed)) {
+    return "must be made of letters, digits, '.', '_' and '-', and must not begin with '.'";
+  }
+  return "";
+}
+
 /// Reads the parts of a manifest; knows the folder that paths must stay in.
 class ManifestReader {
  public:
@@ -75,7 +90,7 @@ class ManifestReader {
     }
     if (root.Has("scanner")) {
       JsonReader scanner = root.Object("scanner");
-      capture.scanner = ReadScanner(scanner, capture);
+      capture.scanner = ReadScanner(scanner, capture, ids);
     }
     root.Finish();
     return capture;
@@ -145,7 +160,8 @@ class ManifestReader {
 
   std::string UniqueId(JsonReader& reader, std::set<std::string>& ids) const {
     const std::string id = reader.Text("id");
-    if (id.empty()) reader.Fail("id", "is empty");
+    const std::string problem = IdProblem(id);
+    if (!problem.empty()) reader.Fail("id", problem);
     if (!ids.insert(id).second) reader.Fail("id", "'" + id + "' is used twice");
     return id;
   }
@@ -174,10 +190,9 @@ class ManifestReader {
     return roles;
   }
 
-  std::vector<ScanSet> ReadScanSets(JsonReader& scanner, const std::string& key,
-                                    size_t role_count) const {
+  std::vector<ScanSet> ReadScanSets(JsonReader& scanner, const std::string& key, size_t role_count,
+                                    std::set<std::string>& ids) const {
     std::vector<ScanSet> sets;
-    std::set<std::string> ids;
     for (JsonReader& reader : scanner.Objects(key)) {
       ScanSet set;
       set.id = UniqueId(reader, ids);
@@ -194,7 +209,8 @@ class ManifestReader {
     return sets;
   }
 
-  Scanner ReadScanner(JsonReader& reader, const Capture& capture) const {
+  Scanner ReadScanner(JsonReader& reader, const Capture& capture,
+                      std::set<std::string>& ids) const {
     Scanner scanner;
     scanner.camera = CameraKey(reader, capture);
     JsonReader projector = reader.Object("projector");
@@ -206,8 +222,8 @@ class ManifestReader {
     scanner.projector_from_camera = OptionalPose(reader, "projector_from_camera");
     scanner.scan_roles = Roles(reader, "scan_roles");
     scanner.placement_roles = Roles(reader, "placement_roles");
-    scanner.scans = ReadScanSets(reader, "scans", scanner.scan_roles.size());
-    scanner.placements = ReadScanSets(reader, "placements", scanner.placement_roles.size());
+    scanner.scans = ReadScanSets(reader, "scans", scanner.scan_roles.size(), ids);
+    scanner.placements = ReadScanSets(reader, "placements", scanner.placement_roles.size(), ids);
     reader.Finish();
     return scanner;
   }

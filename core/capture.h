@@ -21,7 +21,7 @@ enum class PhotoSplit {
 };
 
 struct Photo {
-  std::string id;      ///< unique among photos
+  std::string id;      ///< unique among photos, scans and placements; becomes a file name
   std::string file;    ///< relative to the capture folder
   std::string camera;  ///< key of Capture::cameras
   PhotoSplit split = PhotoSplit::kTrain;
@@ -74,9 +74,9 @@ struct Capture {
 };
 
 /// Reads and validates `folder/capture.json`. Missing keys, unknown keys, wrong types, repeated
-/// ids, unknown cameras, frame counts that differ from the roles, and paths that leave the folder
-/// (absolute, "..", or through a symbolic link) are Errors that name the place. Listed picture
-/// files need not exist yet: stages report those one by one.
+/// ids, ids that are no plain file names, unknown cameras, frame counts that differ from the roles,
+/// and paths that leave the folder (absolute, "..", or through a symbolic link) are Errors that
+/// name the place. Listed picture files need not exist yet: stages report those one by one.
 Capture LoadCapture(const std::filesystem::path& folder);
 /// Writes `folder/capture.json` atomically; the inverse of LoadCapture.
 void SaveCapture(const Capture& capture);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/command_line.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
@@ -95,7 +92,7 @@ struct CommandLine::State {
     app.set_version_flag("--version", command + " " LFM_VERSION);
     app.footer("Example:\n  " + example);
     app.add_flag("-q,--quiet", quiet, "Say nothing but errors.");
-    app.add_flag("-v,--verbose", verbose, "Say more.");
+    app.add_flag("-v,--verbose", verbose, "Say why things are done, too.");
     app.add_option("--threads", threads, "Use this many threads; 0 means all.")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
@@ -122,11 +119,6 @@ CommandLine::~CommandLine() = default;
 
 void CommandLine::Positional(const std::string& name, const std::string& help, std::string& value) {
   state_->app.add_option(name, value, help)->required();
-}
-
-void CommandLine::OptionalPositional(const std::string& name, const std::string& help,
-                                     std::string& value) {
-  state_->app.add_option(name, value, help)->capture_default_str();
 }
 
 void CommandLine::Options(AnyOptions options, const std::string& group) {
@@ -160,7 +152,10 @@ int CommandLine::State::Parse(int argc, char** argv, bool& go_on) {
 
 int CommandLine::State::RunBody(const std::function<void(Progress&)>& body) const {
   try {
-    const std::unique_ptr<Progress> progress = MakeConsoleProgress(quiet);
+    const std::unique_ptr<Progress> progress = MakeConsoleProgress(
+        quiet ? Verbosity::kQuiet : (verbose ? Verbosity::kVerbose : Verbosity::kNormal));
+    progress->Detail(name + " " LFM_VERSION ", at most " + std::to_string(ThreadCount()) +
+                     " threads");
     body(*progress);
     return kExitOk;
   } catch (const Interrupted&) {
@@ -180,15 +175,6 @@ int CommandLine::Run(int argc, char** argv, const std::function<void(Progress&)>
   bool go_on = false;
   const int status = state_->Parse(argc, argv, go_on);
   if (!go_on) return status;
-  // Results go to stdout, everything said on the way to stderr.
-  const spdlog::level::level_enum level = state_->quiet     ? spdlog::level::err
-                                          : state_->verbose ? spdlog::level::debug
-                                                            : spdlog::level::info;
-  auto logger = std::make_shared<spdlog::logger>(state_->name,
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_pattern("%n: %v");
-  logger->set_level(level);
-  spdlog::set_default_logger(logger);
   SetThreadCount(state_->threads);
   InstallSignalHandlers();
   return state_->RunBody(body);

@@ -21,8 +21,6 @@ class CommandLine {
 
   /// Adds a required positional argument.
   void Positional(const std::string& name, const std::string& help, std::string& value);
-  /// Adds an optional positional argument: `value` keeps its default when absent.
-  void OptionalPositional(const std::string& name, const std::string& help, std::string& value);
   /// Adds every declared option of a struct, under an optional group title shown by --help.
   void Options(AnyOptions options, const std::string& group = "");
 

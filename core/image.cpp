@@ -223,6 +223,19 @@ Image ToSrgb8(const Image& image) {
   return out;
 }
 
+Image ToRgb8(const Image& image) {
+  const Image coded = ToSrgb8(image);
+  if (coded.empty() || coded.channels() == 3) return coded;
+  Image rgb(coded.width(), coded.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  const bool is_gray = coded.channels() <= 2;
+  const uint8_t* from = coded.Data<uint8_t>();
+  uint8_t* to = rgb.Data<uint8_t>();
+  for (size_t pixel = 0; pixel < rgb.size() / 3; ++pixel, from += coded.channels(), to += 3) {
+    for (int c = 0; c < 3; ++c) to[c] = from[is_gray ? 0 : c];
+  }
+  return rgb;
+}
+
 Image ToGray(const Image& image) {
   if (image.empty() || image.channels() == 1) return image;
   Image gray(image.width(), image.height(), 1, image.type(), image.encoding());

@@ -89,6 +89,9 @@ Image ToLinearFloat(const Image& image);
 /// The same picture as 8-bit sRGB, rounded to nearest, clamped to [0, 255]; NaN becomes 0. Alpha
 /// is treated as in ToLinearFloat.
 Image ToSrgb8(const Image& image);
+/// The same picture as 8-bit sRGB with exactly three channels: gray is repeated, alpha left out
+/// (the colours of transparent pixels stay what they are).
+Image ToRgb8(const Image& image);
 /// One channel: Rec. 709 luminance of an RGB picture (computed on the stored values), or a copy of
 /// the only colour channel. Alpha is left out; type and encoding stay.
 Image ToGray(const Image& image);

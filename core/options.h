@@ -57,7 +57,7 @@ class OptionVisitor {
 };
 
 /// Declares an OptionVisitor over any struct with a `Declare` member, for functions that need no
-/// template: `AnyOptions options = MakeAnyOptions(scan_options);`
+/// template: `AnyOptions options(scan_options);`
 class AnyOptions {
  public:
   template <typename Options>

@@ -22,6 +22,7 @@ void ParallelChunks(int64_t count, int64_t chunk,
 
 /// Bounds the number of threads of this process; 0 means all that the machine has.
 void SetThreadCount(int count);
+/// The bound that holds now: what SetThreadCount set, else all that the machine has.
 int ThreadCount();
 
 }  // namespace lfm

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
@@ -36,7 +37,8 @@ std::string Duration(double seconds) {
 
 class Console : public Progress {
  public:
-  explicit Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+  explicit Console(Verbosity verbosity)
+      : verbosity_(verbosity), terminal_(isatty(STDERR_FILENO) == 1) {}
   ~Console() override { EndTask(); }
 
   void Start(std::string_view what, int64_t total) override {
@@ -46,26 +48,34 @@ class Console : public Progress {
     what_ = what;
     total_ = std::max<int64_t>(1, total);
     done_ = 0;
-    started_ = last_shown_ = Clock::now();
+    started_ = Clock::now();
+    last_shown_.reset();
   }
 
   void Advance(int64_t steps) override {
     ThrowIfInterrupted();
     const std::lock_guard lock(mutex_);
     done_ += steps;
-    if (!quiet_ && !what_.empty()) Show();
+    if (verbosity_ != Verbosity::kQuiet && !what_.empty()) Show();
   }
 
   void Note(std::string_view line) override {
-    const std::lock_guard lock(mutex_);
-    if (quiet_) return;
-    ClearBar();
-    std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
+    if (verbosity_ != Verbosity::kQuiet) Say(line);
+  }
+
+  void Detail(std::string_view line) override {
+    if (verbosity_ == Verbosity::kVerbose) Say(line);
   }
 
  private:
   static void ThrowIfInterrupted() {
     if (InterruptRequested()) throw Interrupted();
+  }
+
+  void Say(std::string_view line) {
+    const std::lock_guard lock(mutex_);
+    ClearBar();
+    std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
   }
 
   static double Since(Clock::time_point start) {
@@ -76,7 +86,7 @@ class Console : public Progress {
     constexpr double kShortTask_s = 2, kRedraw_s = 0.2, kPlainLine_s = 10;
     const double elapsed = Since(started_);
     const double pause = terminal_ ? kRedraw_s : kPlainLine_s;
-    if (elapsed < (terminal_ ? kShortTask_s : kPlainLine_s) || Since(last_shown_) < pause) return;
+    if (elapsed < kShortTask_s || (last_shown_ && Since(*last_shown_) < pause)) return;
     last_shown_ = Clock::now();
     const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
     const std::string rest =
@@ -104,11 +114,13 @@ class Console : public Progress {
     what_.clear();
   }
 
-  const bool quiet_, terminal_;
+  const Verbosity verbosity_;
+  const bool terminal_;
   std::mutex mutex_;
   std::string what_;
   int64_t total_ = 1, done_ = 0;
-  Clock::time_point started_, last_shown_;
+  Clock::time_point started_;
+  std::optional<Clock::time_point> last_shown_;
   bool bar_shown_ = false;
 };
 
@@ -119,8 +131,8 @@ Progress& SilentProgress() {
   return silent;
 }
 
-std::unique_ptr<Progress> MakeConsoleProgress(bool quiet) {
-  return std::make_unique<Console>(quiet);
+std::unique_ptr<Progress> MakeConsoleProgress(Verbosity verbosity) {
+  return std::make_unique<Console>(verbosity);
 }
 
 bool InterruptRequested() { return interrupt_requested != 0; }

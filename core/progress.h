@@ -18,16 +18,22 @@ class Progress {
   virtual void Advance(int64_t steps = 1) = 0;
   /// One line for the user, beside the bar.
   virtual void Note(std::string_view line) = 0;
+  /// One line for who asked to hear more (--verbose); by default nobody did.
+  virtual void Detail(std::string_view /*line*/) {}
 };
 
 /// Shows nothing; never interrupts. For tests and inner calls.
 Progress& SilentProgress();
 
-/// A bar with an estimate on a terminal; plain lines elsewhere (at most one every ten seconds a
-/// task, and only for work longer than two seconds). Interrupts when `InterruptRequested()`.
-std::unique_ptr<Progress> MakeConsoleProgress(bool quiet);
+/// How much a console says: nothing; progress and notes; details too.
+enum class Verbosity { kQuiet, kNormal, kVerbose };
 
-/// Set by the SIGINT and SIGTERM handlers that `RunCommand` installs.
+/// For work longer than two seconds: a bar with an estimate on a terminal; elsewhere plain lines,
+/// the first after those two seconds, then at most one every ten. Everything goes to stderr.
+/// Interrupts when `InterruptRequested()`.
+std::unique_ptr<Progress> MakeConsoleProgress(Verbosity verbosity);
+
+/// Set by the SIGINT and SIGTERM handlers that `CommandLine::Run` installs.
 bool InterruptRequested();
 /// Asks every Progress to stop (what the signal handlers call; async-signal-safe).
 void RequestInterrupt();

@@ -22,7 +22,7 @@ using nlohmann::json;
 
 PictureOf PhotographsOf(const Capture& capture) {
   const ImageLoader load = MakeImageLoader(capture);
-  return [load](const PosedImage& photo) { return ToSrgb8(load(photo.file)); };
+  return [load](const PosedImage& photo) { return ToRgb8(load(photo.file)); };
 }
 
 PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib) {
@@ -36,8 +36,8 @@ PictureOf TruthPictures(const GroundTruth& truth, std::string Photo::*file) {
   return [&truth, file](const PosedImage& posed) {
     for (const Photo& photo : truth.capture.photos) {
       if (photo.id != posed.id) continue;
-      const Image image = ToSrgb8(ReadImage(truth.capture.folder / (photo.*file)));
-      return file == &Photo::mask ? ToGray(image) : image;
+      const Image image = ReadImage(truth.capture.folder / (photo.*file));
+      return file == &Photo::mask ? ToGray(ToSrgb8(image)) : ToRgb8(image);
     }
     throw Error((truth.capture.folder / "capture.json").string() + ": does not know photograph '" +
                 posed.id + "'");
@@ -70,10 +70,41 @@ json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const G
   return figures;
 }
 
-json WithForeground(json scores, Foreground foreground) {
-  scores["foreground"] =
+// A picture that somebody made of a test photograph's camera, in `folder`.
+PictureOf PicturesIn(const fs::path& folder, const CalibResult& calib) {
+  return [&folder, &calib](const PosedImage& photo) {
+    for (const char* ending : {".png", ".jpg"}) {
+      const fs::path file = folder / (photo.id + ending);
+      if (!fs::exists(file)) continue;
+      const Image image = ToRgb8(ReadImage(file));
+      const Camera& camera = calib.cameras.at(photo.camera);
+      if (image.width() != camera.width || image.height() != camera.height) {
+        throw Error(file.string() + ": has " + std::to_string(image.width()) + " x " +
+                    std::to_string(image.height()) + " pixels; render the camera's " +
+                    std::to_string(camera.width) + " x " + std::to_string(camera.height));
+      }
+      return image;
+    }
+    throw Error((folder / (photo.id + ".png")).string() +
+                ": no such file; render every test photograph's camera");
+  };
+}
+
+// The figures of one reference, complete: which pixels counted, which photographs are missing.
+json Figures(const Capture& capture, const CalibResult& calib, HeldoutScores scores,
+             Foreground foreground, Progress& progress) {
+  AddUnposedPhotos(capture, calib, scores);
+  for (const PhotoScore& photo : scores.photos) {
+    progress.Detail("evaluate: " + photo.id + ": " + std::to_string(photo.full.psnr_db) +
+                    " dB on " + std::to_string(photo.full.pixels) + " pixels");
+  }
+  for (const MissingPhoto& photo : scores.missing) {
+    progress.Note("not scored: " + photo.id + ": " + photo.reason);
+  }
+  json figures = ScoresToJson(scores);
+  figures["foreground"] =
       foreground == Foreground::kTrueMask ? "true mask" : "silhouette of the dense surface";
-  return scores;
+  return figures;
 }
 
 }  // namespace
@@ -82,52 +113,40 @@ json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progr
   const CalibResult calib = LoadCalib(workspace.Stage("calib"));
   const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
   const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
-  return WithForeground(
-      ScoresToJson(ScoreModel(renderer, calib,
-                              {PhotographsOf(capture), SilhouettesOf(surface, calib)}, progress)),
-      Foreground::kSurfaceSilhouette);
+  const std::vector<HeldoutScores> scores = ScoreModel(
+      renderer, calib, {{PhotographsOf(capture)}, SilhouettesOf(surface, calib)}, progress);
+  return Figures(capture, calib, scores.front(), Foreground::kSurfaceSilhouette, progress);
 }
 
 json EvaluateWithTruth(const Capture& capture, const Workspace& workspace, Progress& progress) {
   const GroundTruth truth = LoadGroundTruth(capture.folder);
   const CalibResult calib = LoadCalib(workspace.Stage("calib"));
   const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
-  const PictureOf masks = TruthPictures(truth, &Photo::mask);
-  const HeldoutScores noisy =
-      ScoreModel(renderer, calib, {PhotographsOf(capture), masks}, progress);
-  const HeldoutScores noise_free =
-      ScoreModel(renderer, calib, {TruthPictures(truth, &Photo::file), masks}, progress);
+  const std::vector<HeldoutScores> scores =
+      ScoreModel(renderer, calib,
+                 {{PhotographsOf(capture), TruthPictures(truth, &Photo::file)},
+                  TruthPictures(truth, &Photo::mask)},
+                 progress);
   progress.Start("evaluate: geometry against the truth", 1);
   json figures = TruthGeometry(workspace, calib, truth);
-  figures["heldout_psnr_noisefree_db"] = noise_free.psnr_db;
+  if (!scores[1].photos.empty()) figures["heldout_psnr_noisefree_db"] = scores[1].psnr_db;
   return {{"truth", figures},
-          {"evaluate", WithForeground(ScoresToJson(noisy), Foreground::kTrueMask)}};
+          {"evaluate", Figures(capture, calib, scores[0], Foreground::kTrueMask, progress)}};
 }
 
 json EvaluateImages(const Capture& capture, const Workspace& workspace, const fs::path& images,
                     Foreground foreground, Progress& progress) {
   const CalibResult calib = LoadCalib(workspace.Stage("calib"));
-  const PictureOf rendering = [&images](const PosedImage& photo) {
-    for (const char* ending : {".png", ".jpg"}) {
-      const fs::path file = images / (photo.id + ending);
-      if (fs::exists(file)) return ToSrgb8(ReadImage(file));
-    }
-    throw Error((images / (photo.id + ".png")).string() +
-                ": no such file; render every test photograph's camera");
+  const auto score = [&](const PictureOf& masks) {
+    const std::vector<HeldoutScores> scores = ScorePictures(
+        PicturesIn(images, calib), calib, {{PhotographsOf(capture)}, masks}, progress);
+    return Figures(capture, calib, scores.front(), foreground, progress);
   };
   if (foreground == Foreground::kTrueMask) {
     const GroundTruth truth = LoadGroundTruth(capture.folder);
-    return WithForeground(
-        ScoresToJson(ScorePictures(rendering, calib,
-                                   {PhotographsOf(capture), TruthPictures(truth, &Photo::mask)},
-                                   progress)),
-        foreground);
+    return score(TruthPictures(truth, &Photo::mask));
   }
-  const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
-  return WithForeground(
-      ScoresToJson(ScorePictures(
-          rendering, calib, {PhotographsOf(capture), SilhouettesOf(surface, calib)}, progress)),
-      foreground);
+  return score(SilhouettesOf(ReadPlyMesh(workspace.Stage("mesh") / "surface.ply"), calib));
 }
 
 }  // namespace lfm

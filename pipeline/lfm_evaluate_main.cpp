@@ -2,11 +2,10 @@
 #include <cstdio>
 #include <string>
 
-#include "core/atomic_file.h"
 #include "core/command_line.h"
-#include "core/json_reader.h"
 #include "pipeline/evaluation.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/truth_record.h"
 
 namespace {
 
@@ -41,8 +40,8 @@ int main(int argc, char** argv) {
                         "Says how good a model is on photographs that it never saw: renders the "
                         "test photographs' cameras and compares foreground pixels.",
                         "lfm-evaluate demo/capture demo/work --ground-truth");
-  line.Positional("capture", "Capture folder.", capture_folder);
-  line.Positional("work", "Workspace folder that lfm-pipeline filled.", work);
+  line.Positional("CAPTURE", "Capture folder.", capture_folder);
+  line.Positional("WORK", "Workspace folder that lfm-pipeline filled.", work);
   line.Options(lfm::AnyOptions(options));
   return line.Run(argc, argv, [&](lfm::Progress& progress) {
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
@@ -59,10 +58,11 @@ int main(int argc, char** argv) {
       PrintFigures("evaluate", lfm::EvaluateWorkspace(capture, workspace, progress));
       return;
     }
+    const nlohmann::json inputs = lfm::TruthInputs(capture, workspace);
     const nlohmann::json result = lfm::EvaluateWithTruth(capture, workspace, progress);
-    lfm::WriteJson(result, workspace.TruthFile());
-    lfm::RefreshReport(capture, workspace, progress);
+    lfm::SaveTruth(workspace, inputs, result);
     PrintFigures("evaluate", result.at("evaluate"));
     PrintFigures("truth", result.at("truth"));
+    lfm::RefreshReport(capture, workspace, progress);
   });
 }

@@ -15,8 +15,8 @@ struct Arguments {
 };
 
 void Declare(lfm::CommandLine& line, Arguments& arguments) {
-  line.Positional("action", "What to do: run.", arguments.action);
-  line.Positional("capture", "Capture folder, with capture.json.", arguments.capture);
+  line.Positional("ACTION", "What to do: run.", arguments.action);
+  line.Positional("CAPTURE", "Capture folder, with capture.json.", arguments.capture);
   line.Options(lfm::AnyOptions(arguments.options));
   line.Options(lfm::AnyOptions(arguments.options.calib), "Cameras (calib)");
   line.Options(lfm::AnyOptions(arguments.options.scan), "Scans (scan)");
@@ -55,10 +55,13 @@ int main(int argc, char** argv) {
         lfm::RunPipeline(arguments.capture, arguments.options, progress);
     const lfm::Workspace workspace{arguments.options.out};
     for (const auto& [stage, record] : summary.stages) {
-      if (stage == "evaluate") {
+      if (stage == "evaluate" && record.figures.contains("heldout_psnr_db")) {
         std::printf("held-out PSNR %.2f dB (mean view alone %.2f dB)\n",
-                    record.figures.value("heldout_psnr_db", 0.0),
-                    record.figures.value("heldout_psnr_mean_only_db", 0.0));
+                    record.figures.at("heldout_psnr_db").get<double>(),
+                    record.figures.at("heldout_psnr_mean_only_db").get<double>());
+      }
+      if (stage == "evaluate" && record.figures.contains("note")) {
+        std::printf("%s\n", record.figures.at("note").get<std::string>().c_str());
       }
       if (stage == "encode") std::printf("model   %s\n", workspace.ModelFile().c_str());
       if (stage == "report") {

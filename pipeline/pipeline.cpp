@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/pipeline.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,6 +16,7 @@
 #include "pipeline/evaluation.h"
 #include "pipeline/report.h"
 #include "pipeline/workspace.h"
+#include "pipeline/workspace_lock.h"
 #include "scan/scan_files.h"
 
 namespace lfm {
@@ -75,11 +77,21 @@ json RejectedToJson(const std::vector<std::pair<std::string, std::string>>& reje
   return list;
 }
 
-json CalibFigures(const CalibResult& result) {
+json CalibFigures(const Capture& capture, const CalibResult& result) {
   std::vector<std::pair<std::string, std::string>> rejected;
   for (const RejectedImage& r : result.rejected) rejected.emplace_back(r.id, r.reason);
+  // No two pictures of a capture share an id.
+  const auto count = [&](const auto& pictures) {
+    return std::count_if(result.rejected.begin(), result.rejected.end(), [&](const auto& r) {
+      return std::any_of(pictures.begin(), pictures.end(),
+                         [&](const auto& picture) { return picture.id == r.id; });
+    });
+  };
+  const Scanner scanner = capture.scanner.value_or(Scanner{});
   return {{"photos_used", result.photos.size()},
-          {"photos_rejected", result.rejected.size()},
+          {"photos_rejected", count(capture.photos)},
+          {"scans_rejected", count(scanner.scans)},
+          {"placements_rejected", count(scanner.placements)},
           {"reprojection_rms_px", result.reprojection_rms_px},
           {"corner_noise_px", result.corner_noise_px},
           {"rejected", RejectedToJson(rejected)}};
@@ -98,7 +110,7 @@ StageJob CalibJob(const Run& run) {
             for (const RejectedImage& r : result.rejected) {
               run.progress.Note("set aside: " + r.id + ": " + r.reason);
             }
-            return CalibFigures(result);
+            return CalibFigures(run.capture, result);
           }};
 }
 
@@ -157,25 +169,26 @@ StageJob MeshJob(const Run& run) {
 }
 
 StageJob ResampleJob(const Run& run) {
-  return {
-      "resample", ToJson(run.options.resample),
-      Join(run.PhotoFiles(), std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
-                                                   run.workspace.Stage("calib") / "poses.json",
-                                                   run.workspace.Stage("mesh") / "surface.ply",
-                                                   run.workspace.Stage("mesh") / "mesh.ply"}),
-      [&run](const fs::path& folder) -> json {
-        const MeshResult mesh = LoadMesh(run.workspace.Stage("mesh"));
-        const ResampleResult result =
-            Resample(run.capture, LoadCalib(run.workspace.Stage("calib")), mesh.surface, mesh.mesh,
-                     MakeImageLoader(run.capture), run.options.resample, folder / "light_field.lfs",
-                     run.progress);
-        return {{"mean_visible_views", result.mean_visible_views},
-                {"samples_per_triangle", result.samples_per_triangle},
-                {"dense_bytes", result.dense_bytes},
-                {"unseen_triangles", result.unseen_triangles},
-                {"saturated_share", result.saturated_share},
-                {"seen_directions_share", result.seen_directions_share}};
-      }};
+  return {"resample", ToJson(run.options.resample),
+          Join(run.ManifestFiles(), run.PhotoFiles(),
+               std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
+                                     run.workspace.Stage("calib") / "poses.json",
+                                     run.workspace.Stage("mesh") / "surface.ply",
+                                     run.workspace.Stage("mesh") / "mesh.ply"}),
+          [&run](const fs::path& folder) -> json {
+            const MeshResult mesh = LoadMesh(run.workspace.Stage("mesh"));
+            const ResampleResult result =
+                Resample(run.capture, LoadCalib(run.workspace.Stage("calib")), mesh.surface,
+                         mesh.mesh, MakeImageLoader(run.capture), run.options.resample,
+                         folder / "light_field.lfs", run.progress);
+            return {{"mean_visible_views", result.mean_visible_views},
+                    {"samples_per_triangle", result.samples_per_triangle},
+                    {"dense_bytes", result.dense_bytes},
+                    {"unseen_triangles", result.unseen_triangles},
+                    {"saturated_share", result.saturated_share},
+                    {"near_edge_share", result.near_edge_share},
+                    {"seen_directions_share", result.seen_directions_share}};
+          }};
 }
 
 StageJob EncodeJob(const Run& run) {
@@ -204,10 +217,11 @@ StageJob EvaluateJob(const Run& run) {
     if (photo.split == PhotoSplit::kTest) test_files.push_back(run.capture.folder / photo.file);
   }
   return {"evaluate", json::object(),
-          Join(test_files, std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
-                                                 run.workspace.Stage("calib") / "poses.json",
-                                                 run.workspace.Stage("mesh") / "surface.ply",
-                                                 run.workspace.ModelFile()}),
+          Join(run.ManifestFiles(), test_files,
+               std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
+                                     run.workspace.Stage("calib") / "poses.json",
+                                     run.workspace.Stage("mesh") / "surface.ply",
+                                     run.workspace.ModelFile()}),
           [&run](const fs::path& folder) -> json {
             const json scores = EvaluateWorkspace(run.capture, run.workspace, run.progress);
             WriteJson(scores, folder / "evaluation.json");
@@ -218,7 +232,12 @@ StageJob EvaluateJob(const Run& run) {
 StageJob ReportJob(const Run& run) {
   std::vector<fs::path> inputs;
   for (const char* stage : kStages) {
-    if (std::string(stage) != "report") inputs.push_back(run.workspace.Stage(stage) / "stage.json");
+    if (std::string(stage) == "report") continue;
+    inputs.push_back(run.workspace.Stage(stage) / "stage.json");
+    // A stage's own command may have written there since.
+    for (const std::string& output : ReadStageRecord(run.workspace.folder, stage).outputs) {
+      inputs.push_back(run.workspace.Stage(stage) / output);
+    }
   }
   inputs.push_back(run.workspace.TruthFile());
   return {"report", json::object(), inputs, [&run](const fs::path& folder) -> json {
@@ -227,11 +246,28 @@ StageJob ReportJob(const Run& run) {
           }};
 }
 
+// What is missing is said before the first stage works for minutes.
+void RequireMaterial(const Capture& capture, int last_stage) {
+  if (capture.BringsGeometry()) return;
+  const std::string manifest = (capture.folder / "capture.json").string();
+  if (capture.board.empty()) {
+    throw Error(manifest +
+                ": has neither a platform (\"board\") nor its own cameras, poses and mesh");
+  }
+  const bool scans = capture.scanner && !capture.scanner->scans.empty();
+  if (!scans && last_stage >= StageIndex("scan")) {
+    throw Error(manifest +
+                ": has neither scans (\"scanner\") nor its own cameras, poses and mesh, so no "
+                "surface can be made; add them, or stop with --to calib");
+  }
+}
+
 }  // namespace
 
 void RefreshReport(const Capture& capture, const Workspace& workspace, Progress& progress) {
+  const WorkspaceLock lock(workspace.folder);
   const Run run{capture, workspace, {}, progress};
-  RunOrSkip(workspace.folder, ReportJob(run));
+  RunOrSkip(workspace.folder, ReportJob(run), progress);
 }
 
 PipelineOptions PresetOptions(Effort effort) {
@@ -239,7 +275,7 @@ PipelineOptions PresetOptions(Effort effort) {
   options.effort = effort;
   switch (effort) {
     case Effort::kFast:
-      options.mesh.poisson_depth = 8;
+      options.mesh.poisson_depth = 7;
       options.mesh.tolerance_px = 1.0;
       options.resample.view_grid = 16;
       break;
@@ -258,17 +294,16 @@ PipelineSummary RunPipeline(const fs::path& capture_folder, const PipelineOption
   const int from = StageIndex(options.from), to = StageIndex(options.to);
   if (from > to) throw Error("--from " + options.from + " lies behind --to " + options.to);
   const Run run{LoadCapture(capture_folder), {options.out}, options, progress};
-  if (run.capture.board.empty() && !run.capture.BringsGeometry()) {
-    throw Error((capture_folder / "capture.json").string() +
-                ": has neither a platform (\"board\") nor its own cameras, poses and mesh");
-  }
+  RequireMaterial(run.capture, to);
+  const WorkspaceLock lock(run.workspace.folder);
+  for (const char* stage : kStages) RecoverStage(run.workspace.folder, stage);
   for (int stage = 0; stage < from; ++stage) ReadStageRecord(run.workspace.folder, kStages[stage]);
-  const std::array<StageJob, kStages.size()> jobs = {
-      CalibJob(run),  ScanJob(run),     MeshJob(run),  ResampleJob(run),
-      EncodeJob(run), EvaluateJob(run), ReportJob(run)};
+  // A job is described when its turn comes: by then the results that it reads are there.
+  constexpr std::array<StageJob (*)(const Run&), kStages.size()> kJobs = {
+      CalibJob, ScanJob, MeshJob, ResampleJob, EncodeJob, EvaluateJob, ReportJob};
   PipelineSummary summary;
   for (int stage = from; stage <= to; ++stage) {
-    const StageRecord record = RunOrSkip(run.workspace.folder, jobs[stage]);
+    const StageRecord record = RunOrSkip(run.workspace.folder, kJobs[stage](run), progress);
     progress.Note(std::string(kStages[stage]) + ": " +
                   (record.skipped ? "unchanged"
                                   : std::to_string(std::lround(record.elapsed_in_seconds)) + " s"));

@@ -17,7 +17,7 @@
 
 namespace lfm {
 
-/// How much time may be spent for quality; sets the knobs of every stage together.
+/// How much time may be spent for quality; sets knobs of several stages together.
 enum class Effort { kFast, kBalanced, kBest };
 
 struct PipelineOptions {
@@ -32,8 +32,9 @@ struct PipelineOptions {
 
   void Declare(OptionVisitor& v) {
     v.Text({"out", "Workspace folder; made when absent."}, out);
-    v.Enumeration({"effort", "Sets the knobs of all stages: time against quality and size."},
-                  {"fast", "balanced", "best"}, effort);
+    v.Enumeration(
+        {"effort", "Sets the defaults of the stages' knobs: time against quality and size."},
+        {"fast", "balanced", "best"}, effort);
     v.Text({"from", "First stage to run (calib, scan, mesh, resample, encode, evaluate, report)."},
            from);
     v.Text({"to", "Last stage to run."}, to);
@@ -49,7 +50,9 @@ struct PipelineSummary {
 
 /// Runs the stages of `capture_folder` into `options.out`, from `from` to `to`; a stage whose
 /// inputs and options are unchanged is skipped. A capture that brings cameras, poses and a mesh
-/// skips calibration and scanning. Throws Error when a stage before `from` has not been run.
+/// skips calibration and scanning. A capture without test photographs gets its report too, without
+/// a score. Throws Error when a stage before `from` has not been run, when the capture lacks what a
+/// stage needs, or when another run is at work in the workspace.
 PipelineSummary RunPipeline(const std::filesystem::path& capture_folder,
                             const PipelineOptions& options, Progress& progress);
 

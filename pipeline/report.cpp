@@ -3,23 +3,31 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "core/json_reader.h"
 #include "core/process_memory.h"
 #include "pipeline/report_page.h"
 #include "pipeline/report_pictures.h"
 #include "pipeline/stage_cache.h"
+#include "pipeline/truth_record.h"
 
 namespace lfm {
 
 using nlohmann::json;
 
-json CollectReport(const Workspace& workspace) {
+json CollectReport(const Capture& capture, const Workspace& workspace) {
   json report = json::object(), time = json::object(), options = json::object();
   double total = 0, peak = PeakMemoryMib();
   for (const char* stage : kStages) {
     if (std::string(stage) == "report") continue;
     const StageRecord record = ReadStageRecord(workspace.folder, stage);
+    if (!ResultsAreAsRecorded(workspace.folder, stage)) {
+      report[stage] = {{"out_of_date",
+                        "files of this stage were changed after lfm-pipeline made them, so its "
+                        "figures are left out; run 'lfm-pipeline run' again"}};
+      continue;
+    }
     report[stage] = record.figures;
     options[stage] = record.options;
     time[std::string(stage) + "_s"] = record.elapsed_in_seconds;
@@ -30,10 +38,9 @@ json CollectReport(const Workspace& workspace) {
   report["time"] = time;
   report["memory"] = {{"peak_mib", peak}};
   report["options"] = options;
-  if (std::filesystem::exists(workspace.TruthFile())) {
-    const json truth = ReadJson(workspace.TruthFile());
-    report["truth"] = truth.at("truth");
-    report["evaluate"] = truth.at("evaluate");
+  if (const std::optional<json> truth = FindTruth(capture, workspace)) {
+    report["truth"] = truth->at("truth");
+    report["evaluate"] = truth->at("evaluate");
   }
   return report;
 }
@@ -41,7 +48,10 @@ json CollectReport(const Workspace& workspace) {
 void WriteReport(const Capture& capture, const Workspace& workspace,
                  const std::filesystem::path& folder, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  json report = CollectReport(workspace);
+  json report = CollectReport(capture, workspace);
+  for (const auto& [stage, figures] : report.items()) {
+    if (figures.contains("out_of_date")) progress.Note(stage + " is out of date in the report");
+  }
   const std::vector<ReportPicture> pictures =
       MakeReportPictures(capture, workspace, folder / "pictures", progress);
   const double elapsed =

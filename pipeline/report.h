@@ -11,9 +11,12 @@
 namespace lfm {
 
 /// All figures of a workspace as nested objects (docs/formats.md, report.json): one object a stage,
-/// `time`, `memory`, and `truth` once lfm-evaluate --ground-truth has run. When it has, `evaluate`
-/// is counted over the true masks.
-nlohmann::json CollectReport(const Workspace& workspace);
+/// `time`, `memory`, and `truth` once lfm-evaluate --ground-truth has run. When it has, for what
+/// lies in the workspace now, `evaluate` is counted over the true masks.
+///
+/// A stage whose results are no longer those that its record describes (its own command has run
+/// since) shows no figures but `out_of_date`, which says what to do.
+nlohmann::json CollectReport(const Capture& capture, const Workspace& workspace);
 
 /// Writes `folder/report.json`, `folder/index.html` and `folder/pictures/`: every stage's figures
 /// and pictures on one page.

@@ -80,10 +80,11 @@ std::string FigureTable(const json& figures) {
   return html + "</table>";
 }
 
-std::string RejectedTable(const json& figures) {
-  if (!figures.contains("rejected") || figures["rejected"].empty()) return "";
-  std::string html = "<p>Set aside:</p><table>";
-  for (const json& entry : figures["rejected"]) {
+// What a stage set aside, or could not score: ids and reasons.
+std::string ReasonTable(const json& figures, const char* key, const char* title) {
+  if (!figures.contains(key) || figures[key].empty()) return "";
+  std::string html = std::string("<p>") + title + ":</p><table>";
+  for (const json& entry : figures[key]) {
     html += "<tr><td>" + Escape(entry.value("id", "")) + "</td><td>" +
             Escape(entry.value("reason", "")) + "</td></tr>";
   }
@@ -91,7 +92,7 @@ std::string RejectedTable(const json& figures) {
 }
 
 std::string PhotoTable(const json& figures) {
-  if (!figures.contains("photos")) return "";
+  if (!figures.contains("photos") || figures["photos"].empty()) return "";
   std::string html =
       "<table><tr><th>photograph</th><th>PSNR dB</th><th>mean view alone, dB</th>"
       "<th>SSIM</th><th>APE</th></tr>";
@@ -179,8 +180,9 @@ void WriteReportPage(const std::string& capture_name, const json& report,
     if (!report.contains(stage.name)) continue;
     const json& figures = report[stage.name];
     html += std::string("<h2 id=") + stage.name + ">" + stage.title + "</h2><p class=lead>" +
-            stage.lead + "</p>" + FigureTable(figures) + RejectedTable(figures) +
-            Charts(stage.name, report);
+            stage.lead + "</p>" + FigureTable(figures) +
+            ReasonTable(figures, "rejected", "Set aside") +
+            ReasonTable(figures, "missing", "Not scored") + Charts(stage.name, report);
     for (const ReportPicture& picture : pictures) {
       if (picture.stage != stage.name) continue;
       html += "<figure><img loading=lazy src=\"" + Escape(picture.file) + "\" alt=\"" +

@@ -9,6 +9,7 @@
 #include "calib/calib_files.h"
 #include "calib/calib_pictures.h"
 #include "core/error.h"
+#include "core/options.h"
 #include "core/ply.h"
 #include "core/ray_scene.h"
 #include "encode/encode_pictures.h"
@@ -87,6 +88,14 @@ void DrawScans(const Capture& capture, const ScanOptions& options, Gallery& gall
   }
 }
 
+// Pictures show what the stage did, with the options that it had.
+ScanOptions RecordedScanOptions(const Workspace& workspace) {
+  ScanOptions options;
+  OptionsFromJson(AnyOptions(options), ReadStageRecord(workspace.folder, "scan").options,
+                  (workspace.Stage("scan") / "stage.json").string());
+  return options;
+}
+
 Image DrawFromAllSides(const TriangleMesh& mesh, const MeshPictureOptions& options) {
   std::vector<Image> views;
   for (double azimuth : kViewAzimuths_deg) {
@@ -140,7 +149,7 @@ void DrawHeldout(const Capture& capture, const CalibResult& calib, const Triangl
   const RayScene rays(surface);
   constexpr int kGain = 8, kMargin = 6, kAllTerms = 1 << 20;
   for (const PosedImage& photo : Spread(tests, 4)) {
-    const Image picture = ToSrgb8(load(photo.file));
+    const Image picture = ToRgb8(load(photo.file));
     const Image mask =
         RenderSilhouette(rays, calib.cameras.at(photo.camera), photo.camera_from_world);
     const Image full = RenderPhotoCamera(renderer, calib, photo, kAllTerms);
@@ -183,7 +192,7 @@ std::vector<ReportPicture> MakeReportPictures(const Capture& capture, const Work
   const CalibResult calib = LoadCalib(workspace.Stage("calib"));
   DrawCalib(capture, calib, gallery);
   progress.Advance();
-  DrawScans(capture, ScanOptions{}, gallery);
+  DrawScans(capture, RecordedScanOptions(workspace), gallery);
   progress.Advance();
   const MeshResult mesh = LoadMesh(workspace.Stage("mesh"));
   DrawMeshes(mesh, gallery);

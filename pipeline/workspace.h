@@ -21,7 +21,6 @@ struct Workspace {
   std::filesystem::path Stage(const char* name) const { return folder / name; }
   std::filesystem::path LightFieldFile() const { return folder / "resample" / "light_field.lfs"; }
   std::filesystem::path ModelFile() const { return folder / "encode" / "model.glb"; }
-  std::filesystem::path EvaluationFile() const { return folder / "evaluate" / "evaluation.json"; }
   std::filesystem::path TruthFile() const { return folder / "truth" / "truth.json"; }
 };
 

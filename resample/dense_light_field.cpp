@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 
 #include "core/atomic_file.h"
@@ -22,11 +21,7 @@ struct DenseHeader {
 };
 
 void Check(const std::ofstream& stream, const std::filesystem::path& file) {
-  if (!stream) {
-    throw Error(file.string() + ": cannot be written (" + std::strerror(errno) +
-                    "); free some space and run again",
-                ErrorKind::kSystem);
-  }
+  if (!stream) FailWriting(file, errno);
 }
 
 [[noreturn]] void FailReading(const std::filesystem::path& file) {

@@ -110,14 +110,7 @@ struct LightFieldWriter::State {
     if (!partial.empty()) std::filesystem::remove(partial, ignored);
   }
 
-  [[noreturn]] void Fail() const {
-    const int error = errno;
-    const bool full = error == ENOSPC || error == EDQUOT;
-    throw Error(
-        file.string() + ": cannot be written (" + std::strerror(error) + "); " +
-            (full ? "free some space and run again" : "check that the folder can be written"),
-        ErrorKind::kSystem);
-  }
+  [[noreturn]] void Fail() const { FailWriting(file, errno); }
 
   void Open() {
     std::error_code ignored;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <cerrno>
 #include <csignal>
 
 #include "test_files.h"
@@ -78,8 +79,9 @@ TEST(AtomicFile, FullDiskIsASystemErrorAndKeepsTheOldFile) {
   Put(folder / "a.txt", "old");
   {
     const SmallDisk disk(4096);
-    ExpectError([&] { WriteFileAtomically(folder / "a.txt", std::string(100000, 'x')); }, "a.txt",
-                ErrorKind::kSystem);
+    const auto write = [&] { WriteFileAtomically(folder / "a.txt", std::string(100000, 'x')); };
+    ExpectError(write, "a.txt", ErrorKind::kSystem);
+    ExpectError(write, "free some space", ErrorKind::kSystem);
   }
   EXPECT_EQ(Get(folder / "a.txt"), "old");
   EXPECT_EQ(folder.FileCount(), 1);
@@ -101,6 +103,14 @@ TEST(AtomicFile, FolderThatCannotBeMadeIsASystemError) {
   Put(folder / "target/inside", "");
   ExpectError([&] { WriteFileAtomically(folder / "target", "x"); }, "target", ErrorKind::kSystem);
   EXPECT_EQ(folder.FileCount(), 3);
+}
+
+TEST(FailWriting, TellsAFullDiskFromAFolderWithoutAccess) {
+  for (int full : {ENOSPC, EDQUOT, EFBIG}) {
+    ExpectError([&] { FailWriting("a.txt", full); }, "free some space", ErrorKind::kSystem);
+  }
+  ExpectError([] { FailWriting("a.txt", EACCES); }, "check that the folder can be written",
+              ErrorKind::kSystem);
 }
 
 TEST(ReadFile, ReadsAllBytesAndRefusesTheRest) {

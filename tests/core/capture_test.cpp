@@ -41,7 +41,7 @@ Capture FullCapture(const std::filesystem::path& folder) {
   scanner.scan_roles = {"white", "black"};
   scanner.placement_roles = {"white"};
   scanner.scans = {{"s0", {"s/0.png", "s/1.png"}, pose}, {"s1", {"s/2.png", "s/3.png"}, {}}};
-  scanner.placements = {{"s0", {"t/0.png"}, std::nullopt}};
+  scanner.placements = {{"t0", {"t/0.png"}, std::nullopt}};
   capture.scanner = scanner;
   return capture;
 }
@@ -104,7 +104,7 @@ TEST(Capture, SavingAndLoadingAreInverse) {
   EXPECT_EQ(loaded.scanner->scans[1].frames, saved.scanner->scans[1].frames);
   ExpectSamePose(loaded.scanner->scans[0].camera_from_world,
                  saved.scanner->scans[0].camera_from_world);
-  EXPECT_EQ(loaded.scanner->placements.at(0).id, "s0");
+  EXPECT_EQ(loaded.scanner->placements.at(0).id, "t0");
 }
 
 TEST(Capture, MinimalManifestLoads) {
@@ -221,11 +221,34 @@ TEST(Capture, EveryWrongTypeOrValueIsNamed) {
       {"/scanner/scans/1/frames", {"a.png"}, "scanner.scans[1].frames: 1 frames for 2 roles"},
       {"/scanner/placements/0/frames", {"a.png", "b.png"}, "2 frames for 1 roles"},
       {"/scanner/scans/1/id", "s0", "scanner.scans[1].id: 's0' is used twice"},
+      {"/scanner/scans/1/id", "p1", "scanner.scans[1].id: 'p1' is used twice"},
+      {"/scanner/placements/0/id", "s1", "scanner.placements[0].id: 's1' is used twice"},
   };
   for (const Case& c : cases) {
     nlohmann::json broken = manifest;
     broken[Pointer(c.place)] = c.value;
     ExpectRefused(broken, c.message);
+  }
+}
+
+TEST(Capture, IdsThatAreNoPlainFileNamesAreRefused) {
+  const nlohmann::json manifest = FullManifest();
+  for (const char* place : {"/photos/1/id", "/scanner/scans/1/id", "/scanner/placements/0/id"}) {
+    for (const std::string& id :
+         {std::string("/tmp/x"), std::string("../../x"), std::string("a/b"), std::string("a\\b"),
+          std::string(".hidden"), std::string(".."), std::string("two words"), std::string("l\nf"),
+          std::string("n\0l", 3), std::string("caf\xc3\xa9"), std::string("a:b")}) {
+      nlohmann::json broken = manifest;
+      broken[Pointer(place)] = id;
+      ExpectRefused(broken, "id: must be made of letters");
+    }
+    nlohmann::json fine = manifest;
+    fine[Pointer(place)] = "IMG_20.0-b" + std::string(54, 'x');
+    const TestFolder folder;
+    Put(folder / "capture.json", fine.dump());
+    EXPECT_NO_THROW(LoadCapture(folder.path()));
+    fine[Pointer(place)] = std::string(65, 'x');
+    ExpectRefused(fine, "id: is longer than 64 characters");
   }
 }
 

@@ -16,7 +16,7 @@ namespace {
 struct Outcome {
   int status;
   std::string out, error;
-  std::string first = "unset", second = "default";
+  std::string first = "unset";
   bool ran = false;
 };
 
@@ -29,7 +29,6 @@ Outcome RunTool(
   Outcome outcome;
   CommandLine line("lfm-tool", "Does things.", "lfm-tool input");
   line.Positional("FIRST", "The first.", outcome.first);
-  line.OptionalPositional("SECOND", "The second.", outcome.second);
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   outcome.status = line.Run(static_cast<int>(argv.size()), argv.data(), [&](Progress& progress) {
@@ -55,14 +54,12 @@ TEST(CommandLine, SuccessIsZeroAndSilent) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_TRUE(outcome.ran);
   EXPECT_EQ(outcome.first, "a");
-  EXPECT_EQ(outcome.second, "default");
   EXPECT_EQ(outcome.error + outcome.out, "");
-  EXPECT_EQ(RunTool({"a", "b"}).second, "b");
 }
 
 TEST(CommandLine, UsageErrorsAreTwo) {
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{},
-                                                    {"a", "b", "c"},
+                                                    {"a", "b"},
                                                     {"a", "--nonsense"},
                                                     {"a", "--threads", "-3"},
                                                     {"a", "--threads", "many"}}) {
@@ -114,7 +111,7 @@ TEST(CommandLine, HelpShowsTheExampleAndEveryCommonOption) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_FALSE(outcome.ran);
   for (const char* part : {"lfm-tool input", "--quiet", "--verbose", "--threads", "--config",
-                           "--version", "FIRST", "The second."}) {
+                           "--version", "FIRST", "The first."}) {
     EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
   }
 }
@@ -135,6 +132,18 @@ TEST(CommandLine, QuietSaysNothing) {
   const auto talk = [](Progress& progress) { progress.Note("half way"); };
   EXPECT_EQ(RunTool({"a", "--quiet"}, talk).error, "");
   EXPECT_EQ(RunTool({"a"}, talk).error, "half way\n");
+}
+
+TEST(CommandLine, VerboseOpensDetails) {
+  const auto talk = [](Progress& progress) {
+    progress.Detail("because of this");
+    progress.Note("half way");
+  };
+  EXPECT_EQ(RunTool({"a"}, talk).error, "half way\n");
+  const std::string more = RunTool({"a", "--verbose"}, talk).error;
+  EXPECT_NE(more.find("because of this\nhalf way\n"), std::string::npos) << more;
+  EXPECT_NE(more.find("lfm-tool " LFM_VERSION), std::string::npos) << more;
+  EXPECT_EQ(RunTool({"a", "--verbose", "--quiet"}, talk).error, "");
 }
 
 }  // namespace

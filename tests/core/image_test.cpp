@@ -158,6 +158,24 @@ TEST(ToGray, IsLuminanceOfStoredValues) {
 
 // Pixel centres are whole numbers: a ramp f(x, y) = x + 10 y is reproduced at any place, so a
 // half-pixel shift would show as an error of 0.5 or 5.
+TEST(ToRgb8, RepeatsGrayAndLeavesAlphaOut) {
+  const std::vector<std::vector<float>> pixels = {
+      {1, 0}, {1, 0.25F, 0, 0.5F}, {1, 1, 0, 1, 0, 0}, {1, 0, 0, 0, 1, 1, 0, 0.5F}};
+  const std::vector<std::vector<uint8_t>> expected = {{255, 255, 255, 0, 0, 0},
+                                                      {255, 255, 255, 0, 0, 0},
+                                                      {255, 255, 0, 255, 0, 0},
+                                                      {255, 0, 0, 255, 255, 0}};
+  for (int channels = 1; channels <= 4; ++channels) {
+    const Image rgb = ToRgb8(Filled(channels, pixels[channels - 1]));
+    ASSERT_EQ(rgb.channels(), 3);
+    EXPECT_EQ(rgb.encoding(), ColorEncoding::kSrgb);
+    EXPECT_EQ(std::vector<uint8_t>(rgb.Data<uint8_t>(), rgb.Data<uint8_t>() + rgb.size()),
+              expected[channels - 1])
+        << channels;
+  }
+  EXPECT_TRUE(ToRgb8(Image()).empty());
+}
+
 TEST(SampleBilinear, HasPixelCentresAtWholeNumbers) {
   Image ramp(5, 4, 2, PixelType::kFloat32, ColorEncoding::kLinear);
   for (int y = 0; y < 4; ++y) {

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include "core/process_memory.h"
 #include "test_files.h"
 
@@ -10,7 +14,7 @@ namespace lfm {
 namespace {
 
 TEST(Progress, InterruptsWhenAskedTo) {
-  const std::unique_ptr<Progress> progress = MakeConsoleProgress(true);
+  const std::unique_ptr<Progress> progress = MakeConsoleProgress(Verbosity::kQuiet);
   progress->Start("work", 3);
   EXPECT_NO_THROW(progress->Advance());
   RequestInterrupt();
@@ -26,13 +30,28 @@ TEST(Progress, InterruptsWhenAskedTo) {
 TEST(Progress, ShortWorkSaysNothing) {
   testing::internal::CaptureStderr();
   {
-    const std::unique_ptr<Progress> progress = MakeConsoleProgress(false);
+    const std::unique_ptr<Progress> progress = MakeConsoleProgress(Verbosity::kNormal);
     progress->Start("work", 0);
     progress->Advance();
     progress->Start("other", 5);
     progress->Advance(5);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Progress, WorkLongerThanTwoSecondsSaysAPlainLineAndNotTwo) {
+  testing::internal::CaptureStderr();
+  {
+    const std::unique_ptr<Progress> progress = MakeConsoleProgress(Verbosity::kNormal);
+    progress->Start("work", 4);
+    progress->Advance();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2050));
+    progress->Advance();
+    progress->Advance();
+  }
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(said.rfind("work: 50 %", 0), 0u) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
 }
 
 TEST(ProcessMemory, GrowsWithUse) {

@@ -10,6 +10,7 @@
 #include "core/atomic_file.h"
 #include "core/image.h"
 #include "core/ply.h"
+#include "pipeline/workspace_lock.h"
 #include "tests/end_to_end/small_capture.h"
 
 namespace lfm {
@@ -35,10 +36,6 @@ void ExpectInputError(const CommandOutcome& outcome, const std::vector<std::stri
   EXPECT_TRUE(IsOneLineWith(outcome.err, parts)) << outcome.err;
 }
 
-std::string FirstPhoto(const SmallCapture& small) {
-  return small.Manifest()["photos"][0]["file"].get<std::string>();
-}
-
 json Rejected(const SmallCapture& small, const std::string& stage) {
   return ReadJson(small.work() / stage / "stage.json")["figures"]["rejected"];
 }
@@ -54,31 +51,62 @@ void TruncateFile(const fs::path& file, double share) {
   fs::resize_file(file, static_cast<uintmax_t>(static_cast<double>(fs::file_size(file)) * share));
 }
 
-TEST(BadInput, AMissingPhotographIsSetAsideAndNamed) {
-  const SmallCapture small;
-  fs::remove(small.capture() / FirstPhoto(small));
-  ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  const json rejected = Rejected(small, "calib");
-  ASSERT_EQ(rejected.size(), 1u);
-  EXPECT_NE(rejected[0]["reason"].get<std::string>().find(FirstPhoto(small)), std::string::npos);
+// A photograph, straight from above, of the print of `board`.
+Image PictureOfPrint(const Board& board, int width, int height) {
+  const Image print = ToRgb8(DrawBoard(board, 0.95 * height / board.height_mm));
+  Image picture(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  std::fill_n(picture.Data<uint8_t>(), picture.size(), uint8_t{200});
+  const int left = (width - print.width()) / 2, top = (height - print.height()) / 2;
+  for (int y = 0; y < print.height(); ++y) {
+    std::copy_n(&print.At<uint8_t>(0, y), 3 * print.width(), &picture.At<uint8_t>(left, top + y));
+  }
+  return picture;
 }
 
-TEST(BadInput, AnUnreadablePhotographIsSetAsideAndNamed) {
+TEST(BadInput, PhotographsThatCannotBeUsedAreSetAsideEachWithItsReason) {
   const SmallCapture small;
-  TruncateFile(small.capture() / FirstPhoto(small), 0.4);
-  ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  EXPECT_EQ(Rejected(small, "calib").size(), 1u);
-}
-
-TEST(BadInput, APhotographWithoutTagsIsSetAsideWithThatReason) {
-  const SmallCapture small;
-  const json photo = small.Manifest()["photos"][0];
-  const Image original = ReadImage(small.capture() / FirstPhoto(small));
+  const json manifest = small.Manifest();
+  const auto file = [&](int photo) {
+    return small.capture() / manifest["photos"][photo]["file"].get<std::string>();
+  };
+  const Image original = ReadImage(file(0));
+  fs::remove(file(0));
+  TruncateFile(file(1), 0.4);
   Image gray(original.width(), original.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
   std::fill_n(gray.Data<uint8_t>(), gray.size(), uint8_t{128});
-  WriteImage(gray, small.capture() / FirstPhoto(small));
+  WriteImage(gray, file(2));
+  // Two boards mixed up: one with other tags, and one with the same tags in other places.
+  const Board ours = ReadBoard(small.capture() / manifest["board"].get<std::string>());
+  Board other = ours, shuffled = ours;
+  for (BoardTag& tag : other.tags) tag.id += 300;
+  for (size_t i = 0; i < ours.tags.size(); ++i) {
+    shuffled.tags[i].id = ours.tags[(7 * i + 3) % ours.tags.size()].id;
+  }
+  WriteImage(PictureOfPrint(other, original.width(), original.height()), file(3));
+  WriteImage(PictureOfPrint(shuffled, original.width(), original.height()), file(4));
+  // A placement that is set aside is no photograph.
+  const json placement = manifest["scanner"]["placements"][0];
+  for (const json& frame : placement["frames"]) {
+    fs::remove(small.capture() / frame.get<std::string>());
+  }
+
   ASSERT_EQ(small.RunPipeline({"--to", "calib", "-q"}).status, 0);
-  EXPECT_NE(ReasonFor(Rejected(small, "calib"), photo["id"]).find("tag"), std::string::npos);
+  const json figures = ReadJson(small.work() / "calib" / "stage.json")["figures"];
+  const std::pair<int, const char*> reasons[] = {
+      {0, "no such file"}, {1, "truncated"}, {2, "tag"}, {3, "another board"}, {4, "mixed up"}};
+  for (const auto& [photo, part] : reasons) {
+    const std::string reason =
+        ReasonFor(figures["rejected"], manifest["photos"][photo]["id"].get<std::string>());
+    EXPECT_NE(reason.find(part), std::string::npos) << photo << ": " << reason;
+    if (photo < 2) {
+      EXPECT_NE(reason.find(file(photo).filename()), std::string::npos) << reason;
+    }
+  }
+  EXPECT_NE(ReasonFor(figures["rejected"], placement["id"]), "");
+  EXPECT_EQ(figures["photos_rejected"], 5);
+  EXPECT_EQ(figures["scans_rejected"], 0);
+  EXPECT_EQ(figures["placements_rejected"], 1);
+  EXPECT_EQ(figures["photos_used"].get<size_t>(), manifest["photos"].size() - 5);
 }
 
 TEST(BadInput, AnotherBoardIsToldFromOurs) {
@@ -88,7 +116,8 @@ TEST(BadInput, AnotherBoardIsToldFromOurs) {
   Board board = ReadBoard(small.capture() / board_file);
   for (BoardTag& tag : board.tags) tag.id += 300;
   WriteBoard(board, small.capture() / board_file);
-  ExpectInputError(small.RunPipeline({"-q"}), {"lfm-pipeline: error:"});
+  ExpectInputError(small.RunPipeline({"-q"}),
+                   {"lfm-pipeline: error:", "not on the board", "a picture of another board?"});
   EXPECT_TRUE(NothingHalfWritten(small.work()));
 }
 
@@ -108,7 +137,8 @@ TEST(BadInput, AnEmptyCloudIsRefusedWithACure) {
   WritePly(PointCloud{}, small.work() / "scan" / "points.ply");
   const CommandOutcome outcome = RunCommand(
       {SmallCapture::Command("lfm-mesh"), small.capture().string(), small.work().string(), "-q"});
-  ExpectInputError(outcome, {"lfm-mesh: error:"});
+  ExpectInputError(outcome, {"lfm-mesh: error:", "it is empty", "check that the scans decode",
+                             "scan/points.ply"});
   EXPECT_FALSE(fs::exists(small.work() / "mesh" / "mesh.ply"));
 }
 
@@ -145,6 +175,32 @@ TEST(BadInput, APathThatLeavesTheCaptureIsRefused) {
   ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "photos[0]"});
 }
 
+TEST(BadInput, AnIdThatIsNoFileNameIsRefused) {
+  const SmallCapture small;
+  const fs::path outside = small.capture() / "outside";
+  for (const std::string& id : {std::string("../../x"), outside.string()}) {
+    json manifest = small.Manifest();
+    manifest["photos"][2]["id"] = id;
+    small.SetManifest(manifest);
+    ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "photos[2].id"});
+  }
+}
+
+TEST(BadInput, ACaptureWithoutScansIsRefusedBeforeAnyWork) {
+  const SmallCapture small;
+  json manifest = small.Manifest();
+  manifest.erase("scanner");
+  small.SetManifest(manifest);
+  ExpectInputError(small.RunPipeline({"-q"}), {"capture.json", "scanner"});
+  EXPECT_FALSE(fs::exists(small.work())) << "calibration must not run first";
+}
+
+TEST(BadInput, ASecondRunInOneWorkspaceIsRefused) {
+  const SmallCapture small;
+  const WorkspaceLock lock(small.work());
+  ExpectInputError(small.RunPipeline({"-q"}), {small.work().string(), "another run"});
+}
+
 TEST(BadInput, AMissingCaptureIsNamed) {
   ExpectInputError(RunCommand({SmallCapture::Command("lfm-pipeline"), "run", "/no/such/capture"}),
                    {"/no/such/capture"});
@@ -166,26 +222,32 @@ TEST(BadInput, ATruncatedModelIsRefused) {
   const SmallCapture small;
   ASSERT_EQ(small.RunPipeline({"--to", "encode", "-q"}).status, 0);
   const fs::path model = small.work() / "encode" / "model.glb";
+  const std::string whole = ReadFile(model);
   TruncateFile(model, 0.7);
   const fs::path picture = small.work() / "picture.png";
   ExpectInputError(
       RunCommand({SmallCapture::Command("lfm-render"), model.string(), picture.string(), "-q"}),
       {"lfm-render: error:", "model.glb"});
   EXPECT_FALSE(fs::exists(picture));
+  ASSERT_EQ(small.RunPipeline({"--to", "encode", "-q"}).status, 0);
+  EXPECT_EQ(ReadFile(model), whole);
 }
 
 TEST(BadInput, AFullDiskIsSaidAndTheNextRunGoesOn) {
   const SmallCapture small;
   ASSERT_EQ(small.RunPipeline({"--to", "mesh", "-q"}).status, 0);
   CommandSettings full;
-  full.max_file_bytes = 100'000;  // the light field needs more
-  const CommandOutcome outcome = small.RunPipeline({"--to", "resample", "-q"}, full);
-  EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_TRUE(IsOneLineWith(outcome.err, {"lfm-pipeline: error:", "light_field.lfs"}))
-      << outcome.err;
-  EXPECT_TRUE(NothingHalfWritten(small.work()));
-  EXPECT_FALSE(fs::exists(small.work() / "resample"));
-  EXPECT_EQ(small.RunPipeline({"--to", "resample", "-q"}).status, 0);
+  full.max_file_bytes = 100'000;  // light field and model need more
+  for (const auto& [stage, file] :
+       {std::pair("resample", "light_field.lfs"), std::pair("encode", "model.glb")}) {
+    const CommandOutcome outcome = small.RunPipeline({"--to", stage, "-q"}, full);
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    EXPECT_TRUE(IsOneLineWith(outcome.err, {"lfm-pipeline: error:", file, "free some space"}))
+        << outcome.err;
+    EXPECT_TRUE(NothingHalfWritten(small.work()));
+    EXPECT_FALSE(fs::exists(small.work() / stage));
+    EXPECT_EQ(small.RunPipeline({"--to", stage, "-q"}).status, 0);
+  }
 }
 
 }  // namespace

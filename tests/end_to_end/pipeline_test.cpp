@@ -2,9 +2,12 @@
 // The whole way, from a small capture to a model, a picture and a report.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "core/atomic_file.h"
 #include "core/hash.h"
@@ -75,10 +78,15 @@ TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
   EXPECT_LT(report["calib"]["reprojection_rms_px"].get<double>(), 0.5);
 
   const std::string page = ReadFile(small.work() / "report" / "index.html");
+  std::set<std::string> shown;  // which stages' pictures
   for (size_t at = page.find("src=\""); at != std::string::npos; at = page.find("src=\"", at + 1)) {
     const std::string file = page.substr(at + 5, page.find('"', at + 5) - at - 5);
     EXPECT_NO_THROW(ReadImage(small.work() / "report" / file)) << file;
+    const std::string name = fs::path(file).filename();
+    shown.insert(name.substr(0, name.find('-')));
   }
+  EXPECT_EQ(shown, (std::set<std::string>{"calib", "scan", "mesh", "resample", "encode", "heldout",
+                                          "model"}));
 
   // A second run finds everything done.
   const CommandOutcome again = small.RunPipeline();
@@ -92,11 +100,34 @@ TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
                   small.work().string(), "--ground-truth", "-q"});
   ASSERT_EQ(evaluated.status, 0) << evaluated.err;
   const json with_truth = ReadJson(small.work() / "report" / "report.json");
-  for (const char* key : {"pose_median_mm", "pose_median_deg", "points_median_mm",
-                          "points_completeness", "surface_mean_mm", "surface_p95_mm",
-                          "mesh_mean_mm", "mesh_p95_mm", "heldout_psnr_noisefree_db"}) {
-    EXPECT_TRUE(with_truth["truth"].contains(key)) << key;
+  // About three times what a sound run of so small a capture reaches.
+  const std::tuple<const char*, double, double> bounds[] = {{"pose_median_mm", 0, 0.1},
+                                                            {"pose_median_deg", 0, 0.01},
+                                                            {"pose_max_mm", 0, 0.3},
+                                                            {"pose_max_deg", 0, 0.05},
+                                                            {"points_median_mm", 0, 0.2},
+                                                            {"points_p95_mm", 0, 0.7},
+                                                            {"points_over_1_mm_share", -1, 0.01},
+                                                            {"points_completeness", 0.6, 1},
+                                                            {"seen_share", 0.6, 1},
+                                                            {"surface_mean_mm", 0, 0.6},
+                                                            {"surface_p95_mm", 0, 2},
+                                                            {"mesh_mean_mm", 0, 0.9},
+                                                            {"mesh_p95_mm", 0, 2.6},
+                                                            {"heldout_psnr_noisefree_db", 20, 60}};
+  for (const auto& [key, above, below] : bounds) {
+    ASSERT_TRUE(with_truth["truth"].contains(key)) << key;
+    EXPECT_GT(with_truth["truth"][key].get<double>(), above) << key;
+    EXPECT_LT(with_truth["truth"][key].get<double>(), below) << key;
   }
+  EXPECT_EQ(with_truth["truth"].size(), std::size(bounds));
+  EXPECT_EQ(with_truth["evaluate"]["foreground"], "true mask");
+
+  // Another model: what was found of the first one must not stand in its report.
+  ASSERT_EQ(small.RunPipeline({"-q", "--terms", "1"}).status, 0);
+  const json of_another = ReadJson(small.work() / "report" / "report.json");
+  EXPECT_FALSE(of_another.contains("truth"));
+  EXPECT_EQ(of_another["evaluate"]["foreground"], "silhouette of the dense surface");
 }
 
 TEST(Pipeline, InterruptedItGoesOnToTheSameBytes) {
@@ -105,9 +136,13 @@ TEST(Pipeline, InterruptedItGoesOnToTheSameBytes) {
   int interrupted = 0;
   for (double after : {0.3, 1.0, 2.0, 4.0}) {
     CommandSettings settings;
-    settings.interrupt_after_seconds = after;
+    settings.signal_after_seconds = after;
     const CommandOutcome outcome = broken.RunPipeline({"-q", "--to", "encode"}, settings);
-    if (outcome.status == 130) ++interrupted;
+    if (outcome.status == 130) {
+      ++interrupted;
+      EXPECT_TRUE(IsOneLineWith(outcome.err, {"lfm-pipeline: interrupted", "to go on"}))
+          << outcome.err;
+    }
     EXPECT_TRUE(outcome.status == 130 || outcome.status == 0) << outcome.err;
     if (!fs::exists(broken.work())) continue;
     for (const auto& entry : fs::directory_iterator(broken.work())) {
@@ -119,6 +154,28 @@ TEST(Pipeline, InterruptedItGoesOnToTheSameBytes) {
   EXPECT_EQ(HashResults(broken.work()), HashResults(whole.work()));
 }
 
+TEST(Pipeline, KilledItGoesOnToTheSameBytes) {
+  const SmallCapture whole, broken;
+  whole.BringGeometry();
+  broken.BringGeometry();
+  ASSERT_EQ(whole.RunPipeline({"-q", "--to", "encode"}).status, 0);
+  int killed = 0;
+  for (double after : {0.1, 0.4, 0.9, 1.6, 2.5}) {
+    CommandSettings settings;
+    settings.signal = SIGKILL;
+    settings.signal_after_seconds = after;
+    const CommandOutcome outcome = broken.RunPipeline({"-q", "--to", "encode"}, settings);
+    EXPECT_TRUE(outcome.status == 128 + SIGKILL || outcome.status == 0) << outcome.err;
+    if (outcome.status != 0) ++killed;
+  }
+  EXPECT_GT(killed, 0);
+  ASSERT_EQ(broken.RunPipeline({"-q", "--to", "encode"}).status, 0);
+  EXPECT_EQ(HashResults(broken.work()), HashResults(whole.work()));
+  for (const auto& entry : fs::recursive_directory_iterator(broken.work())) {
+    EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path();
+  }
+}
+
 TEST(Pipeline, ThreadsDoNotChangeTheResult) {
   const SmallCapture one, two;
   ASSERT_EQ(one.RunPipeline({"-q", "--to", "evaluate", "--threads", "1"}).status, 0);
@@ -128,23 +185,56 @@ TEST(Pipeline, ThreadsDoNotChangeTheResult) {
 
 TEST(Pipeline, ACaptureThatBringsItsGeometryStartsAtResampling) {
   const SmallCapture small;
-  // The truth of the capture, with the photographs' own files: poses, intrinsics and a mesh.
-  json manifest = ReadJson(small.capture() / "ground_truth" / "capture.json");
-  const json original = small.Manifest();
-  for (size_t i = 0; i < manifest["photos"].size(); ++i) {
-    manifest["photos"][i]["file"] = original["photos"][i]["file"];
-    manifest["photos"][i]["split"] = original["photos"][i]["split"];
-    manifest["photos"][i].erase("mask");
+  small.BringGeometry();
+  json manifest = small.Manifest();
+  // Test photographs may be gray or have an alpha channel.
+  std::vector<fs::path> tests;
+  for (const json& photo : manifest["photos"]) {
+    if (photo["split"] == "test") {
+      tests.push_back(small.capture() / photo["file"].get<std::string>());
+    }
   }
-  manifest["mesh"] = "ground_truth/" + manifest["mesh"].get<std::string>();
-  manifest.erase("scanner");
-  manifest.erase("board");
-  small.SetManifest(manifest);
+  ASSERT_GE(tests.size(), 3u);
+  WriteImage(ToGray(ReadImage(tests[0])), tests[0]);
+  const Image color = ReadImage(tests[1]);
+  Image with_alpha(color.width(), color.height(), 4, PixelType::kUint8, ColorEncoding::kSrgb);
+  for (int y = 0; y < color.height(); ++y) {
+    for (int x = 0; x < color.width(); ++x) {
+      std::copy_n(&color.At<uint8_t>(x, y), 3, &with_alpha.At<uint8_t>(x, y));
+    }
+  }
+  WriteImage(with_alpha, tests[1]);
+
   const CommandOutcome outcome = small.RunPipeline({"-q"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json report = ReadJson(small.work() / "report" / "report.json");
   EXPECT_EQ(report["scan"]["points"], 0);
-  EXPECT_GT(report["evaluate"]["heldout_psnr_db"].get<double>(), 20);
+  EXPECT_EQ(report["evaluate"]["photos_scored"], tests.size());
+  EXPECT_EQ(report["evaluate"]["photos_missing"], 0);
+  for (size_t photo = 1; photo < tests.size(); ++photo) {
+    EXPECT_GT(report["evaluate"]["photos"][photo]["full"]["psnr_db"].get<double>(), 18) << photo;
+  }
+
+  // The manifest says how files are read, so it counts for every stage that reads them.
+  for (auto& [key, camera] : manifest["cameras"].items()) camera["encoding"] = "srgb";
+  small.SetManifest(manifest);
+  const CommandOutcome changed = small.RunPipeline({"--to", "resample", "--verbose"});
+  ASSERT_EQ(changed.status, 0) << changed.err;
+  EXPECT_NE(changed.err.find("mesh: unchanged"), std::string::npos) << changed.err;
+  EXPECT_NE(changed.err.find("resample: runs: " + (small.capture() / "capture.json").string()),
+            std::string::npos)
+      << changed.err;
+
+  // Without test photographs there is no score, but a report all the same.
+  for (json& photo : manifest["photos"]) photo["split"] = "train";
+  small.SetManifest(manifest);
+  const CommandOutcome unscored = small.RunPipeline({"-q"});
+  ASSERT_EQ(unscored.status, 0) << unscored.err;
+  EXPECT_NE(unscored.out.find("no score"), std::string::npos) << unscored.out;
+  const json without = ReadJson(small.work() / "report" / "report.json");
+  EXPECT_EQ(without["evaluate"]["photos_scored"], 0);
+  EXPECT_FALSE(without["evaluate"].contains("heldout_psnr_db"));
+  EXPECT_TRUE(fs::exists(small.work() / "report" / "index.html"));
 }
 
 TEST(Pipeline, ScoresAnybodysPicturesByTheSameRule) {

@@ -27,6 +27,22 @@ class SmallCapture {
     WriteJson(manifest, capture() / "capture.json");
   }
 
+  /// Makes it a capture that brings cameras, poses and a mesh (those of the truth) and neither
+  /// platform nor scans.
+  void BringGeometry() const {
+    nlohmann::json manifest = ReadJson(capture() / "ground_truth" / "capture.json");
+    const nlohmann::json original = Manifest();
+    for (size_t i = 0; i < manifest["photos"].size(); ++i) {
+      manifest["photos"][i]["file"] = original["photos"][i]["file"];
+      manifest["photos"][i]["split"] = original["photos"][i]["split"];
+      manifest["photos"][i].erase("mask");
+    }
+    manifest["mesh"] = "ground_truth/" + manifest["mesh"].get<std::string>();
+    manifest.erase("scanner");
+    manifest.erase("board");
+    SetManifest(manifest);
+  }
+
   /// Path of a command of this build.
   static std::string Command(const std::string& name) {
     return std::string(LFM_BIN_DIR) + "/" + name;

@@ -41,6 +41,18 @@ TEST(ReportPage, ShowsFiguresPicturesAndRejectedPhotographs) {
   EXPECT_NE(page.find("term 3"), std::string::npos);
 }
 
+TEST(ReportPage, ListsPhotographsThatWereNotScored) {
+  nlohmann::json report = SmallReport();
+  report["evaluate"] = {{"photos_scored", 0},
+                        {"photos", nlohmann::json::array()},
+                        {"missing", {{{"id", "photo_9"}, {"reason", "it has no pose"}}}},
+                        {"note", "no score"}};
+  const std::string page = WritePage(report, {});
+  for (const char* part : {"photo_9", "it has no pose", "no score"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+}
+
 TEST(ReportPage, FetchesNothing) {
   const std::string page = WritePage(SmallReport(), {});
   EXPECT_EQ(page.find("http://"), std::string::npos);

@@ -30,6 +30,15 @@ struct Copier {
   }
 };
 
+// Keeps what is said in detail.
+struct Listener : Progress {
+  void Start(std::string_view, int64_t) override {}
+  void Advance(int64_t) override {}
+  void Note(std::string_view) override {}
+  void Detail(std::string_view line) override { last = line; }
+  std::string last;
+};
+
 class StageCache : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -37,57 +46,59 @@ class StageCache : public ::testing::Test {
     WriteFileAtomically(copier_.input, "first");
   }
   fs::path Work() const { return scratch_.folder / "work"; }
+  StageRecord Run(const StageJob& job) { return RunOrSkip(Work(), job, talk_); }
   ScratchFolder scratch_;
   Copier copier_;
+  Listener talk_;
 };
 
 TEST_F(StageCache, SkipsWhatIsUnchangedAndKeepsItsFigures) {
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
-  const StageRecord second = RunOrSkip(Work(), copier_.Job());
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
+  const StageRecord second = Run(copier_.Job());
   EXPECT_TRUE(second.skipped);
   EXPECT_EQ(second.figures.at("bytes"), 5);
   EXPECT_EQ(copier_.runs, 1);
 }
 
 TEST_F(StageCache, RunsAgainWhenAnInputChanges) {
-  RunOrSkip(Work(), copier_.Job());
+  Run(copier_.Job());
   WriteFileAtomically(copier_.input, "other");
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
   EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "other");
 }
 
 TEST_F(StageCache, RunsAgainWhenAnOptionChanges) {
-  RunOrSkip(Work(), copier_.Job());
+  Run(copier_.Job());
   copier_.options["knob"] = 2;
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
 }
 
 TEST_F(StageCache, RunsAgainWhenAResultWasTouched) {
-  RunOrSkip(Work(), copier_.Job());
+  Run(copier_.Job());
   WriteFileAtomically(Work() / "copy" / "copy.txt", "damaged");
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
   EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "first");
   fs::remove(Work() / "copy" / "copy.txt");
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
 }
 
 TEST_F(StageCache, SurvivesADamagedRecord) {
-  RunOrSkip(Work(), copier_.Job());
+  Run(copier_.Job());
   for (const char* record : {"", "{", "{}", "[1]", "{\"key\": 3}"}) {
     WriteFileAtomically(Work() / "copy" / "stage.json", record);
-    EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped) << record;
+    EXPECT_FALSE(Run(copier_.Job()).skipped) << record;
   }
 }
 
 TEST_F(StageCache, AFailedRunLeavesTheEarlierResultAndNothingElse) {
-  RunOrSkip(Work(), copier_.Job());
+  Run(copier_.Job());
   WriteFileAtomically(copier_.input, "other");
   StageJob failing = copier_.Job();
   failing.run = [](const fs::path& folder) -> nlohmann::json {
     WriteFileAtomically(folder / "copy.txt", "half");
     throw Interrupted();
   };
-  EXPECT_THROW(RunOrSkip(Work(), failing), Interrupted);
+  EXPECT_THROW(Run(failing), Interrupted);
   EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "first");
   EXPECT_EQ(std::distance(fs::directory_iterator(Work()), fs::directory_iterator()), 1);
 }
@@ -95,18 +106,70 @@ TEST_F(StageCache, AFailedRunLeavesTheEarlierResultAndNothingElse) {
 TEST_F(StageCache, GoesOnAfterAKilledRun) {
   // What a killed process leaves behind.
   WriteFileAtomically(Work() / ".copy.partial" / "copy.txt", "half");
-  EXPECT_FALSE(RunOrSkip(Work(), copier_.Job()).skipped);
+  EXPECT_FALSE(Run(copier_.Job()).skipped);
   EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "first");
   EXPECT_FALSE(fs::exists(Work() / ".copy.partial"));
+}
+
+TEST_F(StageCache, KilledBetweenTwoNamesItBringsTheOldResultBack) {
+  Run(copier_.Job());
+  // The moment after the old folder has made way and before the new one has taken its name.
+  fs::rename(Work() / "copy", Work() / ".copy.old");
+  WriteFileAtomically(Work() / ".copy.partial" / "copy.txt", "other");
+  RecoverStage(Work(), "copy");
+  EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "first");
+  EXPECT_EQ(std::distance(fs::directory_iterator(Work()), fs::directory_iterator()), 1);
+  EXPECT_TRUE(Run(copier_.Job()).skipped);
+}
+
+TEST_F(StageCache, KilledBeforeTheOldResultWasRemovedItKeepsTheNewOne) {
+  Run(copier_.Job());
+  WriteFileAtomically(Work() / ".copy.old" / "copy.txt", "older");
+  EXPECT_TRUE(Run(copier_.Job()).skipped);
+  EXPECT_EQ(ReadFile(Work() / "copy" / "copy.txt"), "first");
+  EXPECT_FALSE(fs::exists(Work() / ".copy.old"));
+}
+
+TEST_F(StageCache, OtherFilesInTheFolderDoNotMatter) {
+  Run(copier_.Job());
+  WriteFileAtomically(Work() / "copy" / "pictures" / "tags.png", "drawn to look at");
+  EXPECT_TRUE(Run(copier_.Job()).skipped);
+  EXPECT_TRUE(ResultsAreAsRecorded(Work(), "copy"));
+}
+
+TEST_F(StageCache, KnowsResultsThatAnotherCommandHasWritten) {
+  Run(copier_.Job());
+  EXPECT_TRUE(ResultsAreAsRecorded(Work(), "copy"));
+  WriteFileAtomically(Work() / "copy" / "copy.txt", "by hand");
+  EXPECT_FALSE(ResultsAreAsRecorded(Work(), "copy"));
+  fs::remove(Work() / "copy" / "copy.txt");
+  EXPECT_FALSE(ResultsAreAsRecorded(Work(), "copy"));
+}
+
+TEST_F(StageCache, SaysInDetailWhyAStageRunsOrNot) {
+  const auto expect = [&](const char* part) {
+    Run(copier_.Job());
+    EXPECT_NE(talk_.last.find(part), std::string::npos) << talk_.last;
+  };
+  expect("copy: runs: it has not run yet");
+  expect("copy: skipped: options, inputs and results are unchanged");
+  copier_.options["knob"] = 2;
+  expect("copy: runs: option knob is now 2");
+  WriteFileAtomically(copier_.input, "other");
+  expect("input.txt has changed");
+  WriteFileAtomically(Work() / "copy" / "copy.txt", "damaged");
+  expect("copy.txt is not what the stage wrote");
+  WriteFileAtomically(Work() / "copy" / "stage.json", "{}");
+  expect("stage.json is damaged");
 }
 
 TEST_F(StageCache, AMissingInputIsAStateOfItsOwn) {
   StageJob job = copier_.Job();
   job.inputs.push_back(scratch_.folder / "absent.png");
-  RunOrSkip(Work(), job);
-  EXPECT_TRUE(RunOrSkip(Work(), job).skipped);
+  Run(job);
+  EXPECT_TRUE(Run(job).skipped);
   WriteFileAtomically(scratch_.folder / "absent.png", "now here");
-  EXPECT_FALSE(RunOrSkip(Work(), job).skipped);
+  EXPECT_FALSE(Run(job).skipped);
 }
 
 TEST_F(StageCache, AMissingStageNamesTheCommandThatMakesIt) {

@@ -51,9 +51,9 @@ CommandOutcome RunCommand(const std::vector<std::string>& arguments,
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child == 0) Exec(arguments, settings, out, err);
-  if (settings.interrupt_after_seconds) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(*settings.interrupt_after_seconds));
-    kill(child, SIGINT);
+  if (settings.signal_after_seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(*settings.signal_after_seconds));
+    kill(child, settings.signal);
   }
   int status = 0;
   waitpid(child, &status, 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <csignal>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,8 +18,9 @@ struct CommandOutcome {
 struct CommandSettings {
   /// No file may grow beyond this: what a full disk looks like to the program.
   std::optional<long> max_file_bytes;
-  /// Sends SIGINT after so long.
-  std::optional<double> interrupt_after_seconds;
+  /// Sends `signal` after so long.
+  std::optional<double> signal_after_seconds;
+  int signal = SIGINT;
   /// "NAME=value" added to the environment.
   std::vector<std::string> environment;
 };
