@@ -10,12 +10,13 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/lens_distortion.h"
 
 namespace lfm {
 namespace {
 
 constexpr int kIntrinsics = 9;
-const std::vector<int> kAllButFocalAndRadial = {2, 3, 5, 6, 7, 8};
+constexpr int kFirstLensTerm = 4;
 
 // Points nearer than this in front of the camera cannot be pictures of the board.
 constexpr double kMinDepthMm = 1e-3;
@@ -35,7 +36,7 @@ Camera UnpackIntrinsics(const Camera& frame, const std::array<double, kIntrinsic
   return camera;
 }
 
-// Brown's model of core/camera.h, without its "no answer": an optimiser needs a cost everywhere.
+// Without the "no answer" of Project: an optimiser needs a cost everywhere.
 struct CornerError {
   CornerError(const Pose& base, const Eigen::Vector3d& point, const Eigen::Vector2d& seen)
       : rotated(base.rotation * point), pixel(seen) {}
@@ -51,13 +52,11 @@ struct CornerError {
       return true;
     }
     const T x = p[0] / p[2], y = p[1] / p[2];
-    const T r2 = x * x + y * y;
-    const T radial = 1.0 + r2 * (intrinsics[4] + r2 * (intrinsics[5] + r2 * intrinsics[8]));
-    const T &p1 = intrinsics[6], &p2 = intrinsics[7];
-    const T xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
-    const T yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-    residual[0] = intrinsics[0] * xd + intrinsics[2] - pixel.x();
-    residual[1] = intrinsics[1] * yd + intrinsics[3] - pixel.y();
+    const LensTerms<T> lens{intrinsics[4], intrinsics[5], intrinsics[8], intrinsics[6],
+                            intrinsics[7]};
+    const Eigen::Matrix<T, 2, 1> distorted = DistortNormalized(lens, x, y);
+    residual[0] = intrinsics[0] * distorted[0] + intrinsics[2] - pixel.x();
+    residual[1] = intrinsics[1] * distorted[1] + intrinsics[3] - pixel.y();
     return true;
   }
 
@@ -97,6 +96,13 @@ ceres::Solver::Options SolverOptions() {
   return options;
 }
 
+std::vector<int> HeldIntrinsics(const BundleOptions& options) {
+  if (options.free == FreeIntrinsics::kFocalAndRadial) return {2, 3, 5, 6, 7, 8};
+  std::vector<int> held;
+  for (int i = kFirstLensTerm + options.lens_terms; i < kIntrinsics; ++i) held.push_back(i);
+  return held;
+}
+
 void AddCorners(const BundleView& view, ceres::CauchyLoss& loss,
                 std::array<double, kIntrinsics>& intrinsics, std::array<double, 6>& pose,
                 ceres::Problem& problem) {
@@ -121,6 +127,12 @@ void CheckStart(const Camera& camera, const std::vector<BundleView>& views) {
 
 }  // namespace
 
+Camera KeepLensTerms(const Camera& camera, int count) {
+  std::array<double, kIntrinsics> intrinsics = PackIntrinsics(camera);
+  for (int i = kFirstLensTerm + count; i < kIntrinsics; ++i) intrinsics[i] = 0;
+  return UnpackIntrinsics(camera, intrinsics);
+}
+
 BundleResult AdjustBundle(const Camera& camera, const std::vector<BundleView>& views,
                           const BundleOptions& options) {
   CheckStart(camera, views);
@@ -141,9 +153,9 @@ BundleResult AdjustBundle(const Camera& camera, const std::vector<BundleView>& v
   }
   if (problem.NumResidualBlocks() > 0) {
     solver.linear_solver_ordering->AddElementToGroup(intrinsics.data(), 1);
-    if (options.free == FreeIntrinsics::kFocalAndRadial) {
-      problem.SetManifold(intrinsics.data(),
-                          new ceres::SubsetManifold(kIntrinsics, kAllButFocalAndRadial));
+    const std::vector<int> held = HeldIntrinsics(options);
+    if (!held.empty()) {
+      problem.SetManifold(intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, held));
     }
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
@@ -217,9 +229,9 @@ Eigen::MatrixXd CovarianceFromInformation(const Eigen::MatrixXd& information, do
   const Eigen::Index n = information.rows();
   Eigen::VectorXd scale(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    scale(i) = information(i, i) > 0 ? 1 / std::sqrt(information(i, i)) : 0;
+    scale(i) = information(i, i) > 0 ? 1 / std::sqrt(information(i, i)) : 1;
   }
-  if (!information.allFinite() || scale.isZero(0)) {
+  if (!information.allFinite() || information.isZero(0)) {
     return Eigen::MatrixXd::Identity(n, n) * kUnknownVariance;
   }
   const Eigen::MatrixXd unit = scale.asDiagonal() * information * scale.asDiagonal();

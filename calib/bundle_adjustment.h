@@ -20,12 +20,19 @@ struct BundleView {
 /// Which intrinsics an adjustment may move.
 enum class FreeIntrinsics {
   kFocalAndRadial,  ///< fx, fy, k1: for rough starts
-  kAll,             ///< fx, fy, cx, cy, k1, k2, p1, p2, k3
+  kAll,             ///< fx, fy, cx, cy and the lens terms
 };
+
+/// All lens terms, in the order in which they enter: k1, k2, p1, p2, k3.
+inline constexpr int kAllLensTerms = 5;
+
+/// The camera with only the first `count` lens terms; the others are 0.
+Camera KeepLensTerms(const Camera& camera, int count);
 
 struct BundleOptions {
   FreeIntrinsics free = FreeIntrinsics::kAll;
-  double robust_scale_px = 0.5;  ///< scale s of the Cauchy loss s^2 log(1 + |r|^2 / s^2)
+  int lens_terms = kAllLensTerms;  ///< of kAll: so many may move, the others are held
+  double robust_scale_px = 0.5;    ///< scale s of the Cauchy loss s^2 log(1 + |r|^2 / s^2)
   int max_iterations = 100;
 };
 
@@ -59,9 +66,11 @@ struct BundleInformation {
 };
 BundleInformation ComputeInformation(const Camera& camera, const std::vector<BundleView>& views);
 
-/// `variance` times the inverse of a symmetric information matrix. Directions about which the data
-/// say nothing (eigenvalues below 1e-14 of the largest after scaling to a unit diagonal) get a
-/// variance of 1e12 times the mean of the others; all-zero information gives 1e12 on the diagonal.
+/// `variance` times the inverse of a symmetric information matrix. The matrix is first scaled to a
+/// unit diagonal (an unknown with none keeps its scale); directions about which the data say
+/// nothing there (eigenvalues below 1e-14 of the largest) get 1e12 for their inverse eigenvalue.
+/// Information that is zero throughout or not finite gives 1e12 on the diagonal, whatever
+/// `variance` is.
 Eigen::MatrixXd CovarianceFromInformation(const Eigen::MatrixXd& information, double variance);
 
 }  // namespace lfm

@@ -6,6 +6,7 @@
 
 #include "calib/bundle_adjustment.h"
 #include "calib/camera_adjustment.h"
+#include "calib/lens_choice.h"
 #include "calib/picture_search.h"
 #include "core/error.h"
 
@@ -27,6 +28,9 @@ CameraAdjustment CalibrateCamera(std::vector<CalibPicture> pictures, const std::
     adjustment.pictures =
         RefineCorners(std::move(adjustment.pictures), name, PhotoSplit::kTrain, adjustment.camera,
                       board, load_image, start, options, progress);
+    if (start == StartQuality::kGood && !given.intrinsics) {
+      adjustment.lens_terms = ChooseLensTerms(adjustment, name, board, options);
+    }
     adjustment = AdjustCamera(std::move(adjustment), name, board, given.intrinsics, options);
   }
   adjustment.pictures =
@@ -67,9 +71,11 @@ double NoiseOfCamera(const CameraAdjustment& adjustment, const std::string& name
       views.push_back(ViewOfCorners(picture, corners));
     }
   }
-  const double noise =
-      ComputeCornerStatistics(adjustment.camera, views, intrinsics_known ? 0 : 9).noise_px;
-  if (!intrinsics_known) CheckFocalObservable(name, adjustment.camera, views, noise);
+  const int fitted = intrinsics_known ? 0 : 4 + adjustment.lens_terms;
+  const double noise = ComputeCornerStatistics(adjustment.camera, views, fitted).noise_px;
+  if (!intrinsics_known) {
+    CheckFocalObservable(name, adjustment.camera, views, noise, adjustment.lens_terms);
+  }
   return noise;
 }
 
@@ -97,6 +103,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
         CalibrateCamera(std::move(pictures), name, capture, board, load_image, checked, progress);
     noise_of_camera[name] = NoiseOfCamera(adjustment, name, corners, given.intrinsics.has_value());
     result.cameras[name] = adjustment.camera;
+    if (!given.intrinsics) result.lens_terms[name] = adjustment.lens_terms;
     pictures = std::move(adjustment.pictures);
   }
   double squared = 0, noise_squared = 0;
@@ -115,6 +122,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
       result.placements.push_back(posed);
     } else {
       result.photos.push_back(posed);
+      if (picture.split != PhotoSplit::kTrain) continue;
       squared += posed.reprojection_rms_px * posed.reprojection_rms_px * posed.corners;
       noise_squared += noise * noise * posed.corners;
       count += posed.corners;

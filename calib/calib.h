@@ -36,11 +36,14 @@ struct RejectedImage {
 
 struct CalibResult {
   std::map<std::string, Camera> cameras;
+  /// How many of k1, k2, p1, p2, k3 (in this order) each camera needed: 0, 1, 2, 4 or 5, the rest
+  /// is 0. Cameras whose intrinsics were given are not listed.
+  std::map<std::string, int> lens_terms;
   std::vector<PosedImage> photos;  ///< train and test, in manifest order
   std::vector<PosedImage> scans;   ///< platform pose of every scan: camera_from_world of its rig
   std::vector<PosedImage> placements;  ///< the same for the empty, tilted platform
   std::vector<RejectedImage> rejected;
-  double reprojection_rms_px = 0;  ///< over inlier corners of all photographs
+  double reprojection_rms_px = 0;  ///< over inlier corners of the train photographs
   double corner_noise_px = 0;      ///< estimated standard deviation of a corner coordinate
 };
 

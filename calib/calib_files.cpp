@@ -3,6 +3,9 @@
 
 #include <set>
 
+#include "calib/board.h"
+#include "calib/bundle_adjustment.h"
+#include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 
@@ -10,25 +13,7 @@ namespace lfm {
 namespace {
 
 constexpr int kMaxCount = 1000000000;
-
-nlohmann::json CameraToJson(const Camera& c) {
-  return {{"width", c.width}, {"height", c.height}, {"fx", c.fx}, {"fy", c.fy},
-          {"cx", c.cx},       {"cy", c.cy},         {"k1", c.k1}, {"k2", c.k2},
-          {"k3", c.k3},       {"p1", c.p1},         {"p2", c.p2}};
-}
-
-Camera CameraFromJson(JsonReader& reader, const std::string& where) {
-  Camera c;
-  c.width = reader.Integer("width", 1, 65536);
-  c.height = reader.Integer("height", 1, 65536);
-  c.fx = reader.Number("fx"), c.fy = reader.Number("fy");
-  c.cx = reader.Number("cx"), c.cy = reader.Number("cy");
-  c.k1 = reader.Number("k1"), c.k2 = reader.Number("k2"), c.k3 = reader.Number("k3");
-  c.p1 = reader.Number("p1"), c.p2 = reader.Number("p2");
-  reader.Finish();
-  ValidateCamera(c, where.c_str());
-  return c;
-}
+constexpr int kMaxSide = 65536;
 
 nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
   nlohmann::json list = nlohmann::json::array();
@@ -94,11 +79,16 @@ CalibResult LoadCameras(const std::filesystem::path& file) {
   JsonReader cameras = reader.Object("cameras");
   for (const std::string& name : cameras.Keys()) {
     JsonReader camera = cameras.Object(name);
-    result.cameras[name] = CameraFromJson(camera, file.string() + ": cameras." + name);
+    result.cameras[name] = CameraFromJson(camera, kMaxSide, LensKeys::kRequired);
   }
   cameras.Finish();
   result.reprojection_rms_px = reader.Number("reprojection_rms_px");
   result.corner_noise_px = reader.Number("corner_noise_px");
+  JsonReader lens_terms = reader.Object("lens_terms");
+  for (const std::string& name : lens_terms.Keys()) {
+    if (!result.cameras.contains(name)) lens_terms.Fail(name, "is not among the cameras");
+    result.lens_terms[name] = lens_terms.Integer(name, 0, kAllLensTerms);
+  }
   if (result.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
   if (result.corner_noise_px < 0) reader.Fail("corner_noise_px", "must not be negative");
   reader.Finish();
@@ -130,7 +120,8 @@ std::vector<PosedImage> GivenScans(const std::vector<ScanSet>& sets, const std::
 void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
   nlohmann::json cameras = {{"cameras", nlohmann::json::object()},
                             {"reprojection_rms_px", result.reprojection_rms_px},
-                            {"corner_noise_px", result.corner_noise_px}};
+                            {"corner_noise_px", result.corner_noise_px},
+                            {"lens_terms", result.lens_terms}};
   for (const auto& [name, camera] : result.cameras) {
     cameras["cameras"][name] = CameraToJson(camera);
   }
@@ -159,6 +150,21 @@ CalibResult LoadCalib(const std::filesystem::path& folder) {
   }
   reader.Finish();
   return result;
+}
+
+CalibResult CalibrateCapture(const Capture& capture, const CalibOptions& options,
+                             Progress& progress) {
+  if (capture.BringsGeometry()) return CalibFromCapture(capture);
+  if (capture.board.empty()) {
+    throw Error((capture.folder / "capture.json").string() +
+                ": board: missing; name the board's file, or give every camera, pose and a mesh");
+  }
+  const Board board = ReadBoard(capture.folder / capture.board);
+  return Calibrate(capture, board, MakeImageLoader(capture), options, progress);
+}
+
+CalibResult CalibOfCapture(const Capture& capture, const std::filesystem::path& folder) {
+  return capture.BringsGeometry() ? CalibFromCapture(capture) : LoadCalib(folder);
 }
 
 CalibResult CalibFromCapture(const Capture& capture) {

@@ -136,8 +136,9 @@ CameraAdjustment AdjustOnce(CameraAdjustment adjustment, const std::string& came
     return adjustment;
   }
   RequireEnough(adjustment.pictures, camera_name);
-  const BundleResult result =
-      AdjustBundle(adjustment.camera, views, {.robust_scale_px = options.robust_scale_px});
+  const BundleResult result = AdjustBundle(
+      KeepLensTerms(adjustment.camera, adjustment.lens_terms), views,
+      {.lens_terms = adjustment.lens_terms, .robust_scale_px = options.robust_scale_px});
   adjustment.camera = result.camera;
   for (size_t v = 0; v < selected.size(); ++v) {
     adjustment.pictures[selected[v]].camera_from_world = result.poses[v];
@@ -240,13 +241,14 @@ CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector
 }
 
 void CheckFocalObservable(const std::string& camera_name, const Camera& camera,
-                          const std::vector<BundleView>& views, double noise_px) {
+                          const std::vector<BundleView>& views, double noise_px, int lens_terms) {
   // Exact corners would make anything look certain: half a hundredth of a pixel is assumed at
   // least.
   constexpr double kLeastNoisePx = 0.005;
   const double noise = std::max(noise_px, kLeastNoisePx);
-  const Eigen::MatrixXd covariance =
-      CovarianceFromInformation(ComputeInformation(camera, views).intrinsics, noise * noise);
+  const int fitted = 4 + lens_terms;  // terms that were not fitted are known to be 0
+  const Eigen::MatrixXd covariance = CovarianceFromInformation(
+      ComputeInformation(camera, views).intrinsics.topLeftCorner(fitted, fitted), noise * noise);
   for (const auto& [variance, focal] :
        {std::pair(covariance(0, 0), camera.fx), std::pair(covariance(1, 1), camera.fy)}) {
     if (std::sqrt(variance) <= kMaxFocalError * std::abs(focal)) continue;

@@ -15,6 +15,7 @@ namespace lfm {
 struct CameraAdjustment {
   Camera camera;
   std::vector<CalibPicture> pictures;
+  int lens_terms = kAllLensTerms;  ///< that are adjusted; the others stay 0
 };
 
 /// Intrinsics and poses to start from, out of the detected tags of the training pictures of one
@@ -29,11 +30,11 @@ std::vector<CalibPicture> StartPoses(std::vector<CalibPicture> pictures,
                                      const std::string& camera_name, PhotoSplit split,
                                      const Camera& camera);
 
-/// Adjusts poses (and, unless `known`, intrinsics) to the refined corners of the training pictures
-/// of one camera: with the Cauchy loss, then without the corners beyond 4.5 robust standard
-/// deviations. Pictures that keep fewer than `min_corners` or fit worse than `max_reprojection_px`
-/// are set aside, and the rest is adjusted again. Throws Error when intrinsics are unknown and
-/// fewer than three pictures remain.
+/// Adjusts poses (and, unless `known`, intrinsics with `adjustment.lens_terms` lens terms) to the
+/// refined corners of the training pictures of one camera: with the Cauchy loss, then without the
+/// corners beyond 4.5 robust standard deviations. Pictures that keep fewer than `min_corners` or
+/// fit worse than `max_reprojection_px` are set aside, and the rest is adjusted again. Throws Error
+/// when intrinsics are unknown and fewer than three pictures remain.
 CameraAdjustment AdjustCamera(CameraAdjustment adjustment, const std::string& camera_name,
                               const Board& board, const std::optional<Camera>& known,
                               const CalibOptions& options);
@@ -52,9 +53,9 @@ struct CornerStatistics {
 CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector<BundleView>& views,
                                          int fitted_intrinsics);
 
-/// Throws Error when the pictures do not determine the focal length to 2 % at the given noise: all
-/// were taken from straight above, say.
+/// Throws Error when the pictures do not determine the focal length to 2 % at the given noise, with
+/// so many lens terms fitted beside it: all were taken from straight above, say.
 void CheckFocalObservable(const std::string& camera_name, const Camera& camera,
-                          const std::vector<BundleView>& views, double noise_px);
+                          const std::vector<BundleView>& views, double noise_px, int lens_terms);
 
 }  // namespace lfm

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "calib/board.h"
 #include "calib/calib.h"
@@ -9,28 +11,18 @@
 #include "calib/calib_pictures.h"
 #include "core/capture.h"
 #include "core/command_line.h"
-#include "core/error.h"
 
 namespace {
 
 struct CommandOptions {
   bool pictures = false;
   void Declare(lfm::OptionVisitor& v) {
-    v.Flag({"pictures", "Also draw tags and residuals on every picture, into WORK/calib/pictures."},
+    v.Flag({"pictures",
+            "Also draw tags and residuals on every picture, into "
+            "WORK/calib/pictures/KIND-ID.png."},
            pictures);
   }
 };
-
-lfm::CalibResult CalibrateCapture(const lfm::Capture& capture, const lfm::CalibOptions& options,
-                                  lfm::Progress& progress) {
-  if (capture.board.empty()) {
-    if (capture.BringsGeometry()) return lfm::CalibFromCapture(capture);
-    throw lfm::Error((capture.folder / "capture.json").string() +
-                     ": board: missing; name the board's file, or give every camera and pose");
-  }
-  const lfm::Board board = lfm::ReadBoard(capture.folder / capture.board);
-  return lfm::Calibrate(capture, board, lfm::MakeImageLoader(capture), options, progress);
-}
 
 void DrawPictures(const lfm::Capture& capture, const lfm::CalibResult& result,
                   const std::filesystem::path& folder, lfm::Progress& progress) {
@@ -38,11 +30,14 @@ void DrawPictures(const lfm::Capture& capture, const lfm::CalibResult& result,
   const lfm::ImageLoader load_image = lfm::MakeImageLoader(capture);
   progress.Start("drawing", static_cast<int64_t>(result.photos.size() + result.scans.size() +
                                                  result.placements.size()));
-  for (const auto* images : {&result.photos, &result.scans, &result.placements}) {
-    for (const lfm::PosedImage& image : *images) {
+  const std::pair<const char*, const std::vector<lfm::PosedImage>&> kinds[] = {
+      {"photo", result.photos}, {"scan", result.scans}, {"placement", result.placements}};
+  // A photograph, a scan and a placement may share an id.
+  for (const auto& [kind, images] : kinds) {
+    for (const lfm::PosedImage& image : images) {
       const lfm::Image drawing = lfm::DrawCalibration(load_image(image.file), board,
                                                       result.cameras.at(image.camera), image);
-      lfm::WriteImage(drawing, folder / (image.id + ".png"));
+      lfm::WriteImage(drawing, folder / (std::string(kind) + "-" + image.id + ".png"));
       progress.Advance();
     }
   }
@@ -76,7 +71,7 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(command_options));
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
-    const lfm::CalibResult result = CalibrateCapture(capture, options, progress);
+    const lfm::CalibResult result = lfm::CalibrateCapture(capture, options, progress);
     const std::filesystem::path folder = std::filesystem::path(work_folder) / "calib";
     lfm::SaveCalib(result, folder);
     if (command_options.pictures && !capture.board.empty()) {

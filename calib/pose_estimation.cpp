@@ -6,7 +6,6 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calib/homography.h"
-#include "core/error.h"
 
 namespace lfm {
 namespace {
@@ -84,11 +83,9 @@ std::optional<Pose> EstimatePlanarPose(const Camera& camera,
   std::vector<Eigen::Vector2d> plane, normalized;
   for (size_t i = 0; i < points.size(); ++i) {
     plane.push_back(points[i].head<2>());
-    try {
-      normalized.push_back(Unproject(camera, pixels[i]).hnormalized());
-    } catch (const Error&) {
-      return std::nullopt;
-    }
+    const std::optional<Eigen::Vector3d> direction = TryUnproject(camera, pixels[i]);
+    if (!direction) return std::nullopt;
+    normalized.push_back(direction->hnormalized());
   }
   if (!FitHomography(plane, normalized)) return std::nullopt;
   std::optional<Pose> best;

@@ -2,10 +2,12 @@
 #include "core/camera.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "core/error.h"
+#include "core/lens_distortion.h"
 
 namespace lfm {
 namespace {
@@ -49,10 +51,7 @@ bool Camera::Contains(const Eigen::Vector2d& pixel) const {
 }
 
 Eigen::Vector2d Distort(const Camera& c, const Eigen::Vector2d& n) {
-  const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
-  const double radial = RadialFactor(c, r2);
-  return {x * radial + 2 * c.p1 * x * y + c.p2 * (r2 + 2 * x * x),
-          y * radial + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y};
+  return DistortNormalized(LensTerms<double>{c.k1, c.k2, c.k3, c.p1, c.p2}, n.x(), n.y());
 }
 
 std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& point) {
@@ -67,39 +66,44 @@ std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector
   return pixel;
 }
 
-Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+std::optional<Eigen::Vector3d> TryUnproject(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d distorted((pixel.x() - camera.cx) / camera.fx,
                                   (pixel.y() - camera.cy) / camera.fy);
+  if (!distorted.allFinite()) return std::nullopt;
   Eigen::Vector2d n = distorted;
-  if (camera.HasDistortion()) {
-    constexpr int kMaxIterations = 50;
-    constexpr double kConverged_abs = 1e-14;
-    bool converged = false;
-    for (int i = 0; i < kMaxIterations && !converged; ++i) {
-      const Eigen::Vector2d residual = Distort(camera, n) - distorted;
-      if (residual.norm() <= kConverged_abs * (1 + distorted.norm())) {
-        converged = true;
-        break;
-      }
-      const Eigen::Vector2d step = DistortJacobian(camera, n).inverse() * residual;
-      // Far from the axis a full step can jump over the fold; half a radian is always enough.
-      constexpr double kMaxStep = 0.5;
-      n -= step.norm() > kMaxStep ? Eigen::Vector2d(step * (kMaxStep / step.norm())) : step;
-      if (!n.allFinite()) break;
+  if (!camera.HasDistortion()) return Eigen::Vector3d(n.x(), n.y(), 1).normalized();
+  constexpr int kMaxIterations = 50;
+  constexpr double kConverged_rel = 1e-14, kConverged_px = 1e-10;
+  const Eigen::Vector2d focal(camera.fx, camera.fy);
+  Eigen::Vector2d residual = Distort(camera, n) - distorted;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    if (residual.norm() <= kConverged_rel * (1 + distorted.norm()) &&
+        residual.cwiseProduct(focal).norm() <= kConverged_px) {
+      break;
     }
-    const Eigen::Vector2d residual = Distort(camera, n) - distorted;
-    constexpr double kAccepted_px = 1e-10;
-    converged = n.allFinite() && residual.norm() * camera.fx <= kAccepted_px * (1 + pixel.norm()) &&
-                RadialRisesUpTo(camera, n.squaredNorm());
-    if (!converged) {
-      throw Error("camera: the lens model folds over inside the picture at pixel (" +
-                  std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) +
-                  "); calibrate again with fewer distortion terms");
-    }
-  } else if (!n.allFinite()) {
-    throw Error("camera: cannot unproject a pixel that is not finite");
+    const Eigen::Vector2d step = DistortJacobian(camera, n).inverse() * residual;
+    // Far from the axis a full step can jump over the fold; half a radian is always enough.
+    constexpr double kMaxStep = 0.5;
+    n -= step.norm() > kMaxStep ? Eigen::Vector2d(step * (kMaxStep / step.norm())) : step;
+    if (!n.allFinite()) return std::nullopt;
+    residual = Distort(camera, n) - distorted;
   }
+  // The second term is what rounding costs far outside any sensor.
+  constexpr double kAccepted_px = 5e-10, kAccepted_rel = 1e-15;
+  const bool found =
+      residual.cwiseProduct(focal).norm() <= std::max(kAccepted_px, kAccepted_rel * pixel.norm()) &&
+      RadialRisesUpTo(camera, n.squaredNorm());
+  if (!found) return std::nullopt;
   return Eigen::Vector3d(n.x(), n.y(), 1).normalized();
+}
+
+Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const std::optional<Eigen::Vector3d> direction = TryUnproject(camera, pixel);
+  if (direction) return *direction;
+  if (!pixel.allFinite()) throw Error("camera: cannot unproject a pixel that is not finite");
+  throw Error("camera: the lens model folds over inside the picture at pixel (" +
+              std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) +
+              "); calibrate again with fewer distortion terms");
 }
 
 Camera ScaleCamera(const Camera& camera, double factor) {

@@ -37,9 +37,11 @@ Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& normalized)
 
 /// Unit direction in the camera frame through `pixel`: the inverse of Project.
 ///
-/// Newton's method on the distortion; for pixels on the sensor of a lens whose model does not fold
-/// there, Project(Unproject(p)) returns p within 1e-9 px. Throws Error when the iteration does not
-/// converge (a lens that folds inside the picture).
+/// Newton's method on the distortion: for a pixel with coordinates up to 65536, Project of the
+/// answer returns the pixel within 1e-9 px. No answer where no direction is seen at that pixel (the
+/// lens model folds back before it), and for a pixel that is not finite.
+std::optional<Eigen::Vector3d> TryUnproject(const Camera& camera, const Eigen::Vector2d& pixel);
+/// The same where a direction is needed: throws Error when there is no answer.
 Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// A camera whose picture is `factor` times as large, pixel centres kept in place.

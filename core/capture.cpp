@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 
@@ -14,18 +15,6 @@ constexpr int kMaxSide = 65536;
 constexpr int kVersion = 1;
 constexpr const char* kFormat = "lfm-capture";
 constexpr const char* kManifest = "capture.json";
-
-struct CameraTerm {
-  const char* key;
-  double Camera::*value;
-};
-constexpr CameraTerm kPinhole[] = {
-    {"fx", &Camera::fx}, {"fy", &Camera::fy}, {"cx", &Camera::cx}, {"cy", &Camera::cy}};
-constexpr CameraTerm kDistortion[] = {{"k1", &Camera::k1},
-                                      {"k2", &Camera::k2},
-                                      {"k3", &Camera::k3},
-                                      {"p1", &Camera::p1},
-                                      {"p2", &Camera::p2}};
 
 /// Why `file` may not be named by a manifest in `folder`; empty when it may.
 std::string PathProblem(const std::filesystem::path& folder, const std::string& file) {
@@ -115,17 +104,7 @@ class ManifestReader {
   std::optional<Camera> ReadIntrinsics(JsonReader& owner, int width, int height) const {
     if (!owner.Has("intrinsics")) return std::nullopt;
     JsonReader reader = owner.Object("intrinsics");
-    Camera camera;
-    camera.width = width;
-    camera.height = height;
-    for (const CameraTerm& term : kPinhole) camera.*term.value = reader.Number(term.key);
-    for (const CameraTerm& term : kDistortion) {
-      camera.*term.value = reader.NumberOr(term.key, 0);
-    }
-    if (camera.fx <= 0) reader.Fail("fx", "must be positive");
-    if (camera.fy <= 0) reader.Fail("fy", "must be positive");
-    reader.Finish();
-    return camera;
+    return IntrinsicsFromJson(reader, width, height, LensKeys::kOptional);
   }
 
   std::optional<Pose> OptionalPose(JsonReader& owner, const std::string& key) const {
@@ -232,10 +211,7 @@ class ManifestReader {
 };
 
 void PutIntrinsics(nlohmann::json& owner, const std::optional<Camera>& camera) {
-  if (!camera) return;
-  nlohmann::json& json = owner["intrinsics"];
-  for (const CameraTerm& term : kPinhole) json[term.key] = (*camera).*term.value;
-  for (const CameraTerm& term : kDistortion) json[term.key] = (*camera).*term.value;
+  if (camera) owner["intrinsics"] = IntrinsicsToJson(*camera);
 }
 
 void PutPose(nlohmann::json& owner, const char* key, const std::optional<Pose>& pose) {
@@ -246,7 +222,7 @@ void PutText(nlohmann::json& owner, const char* key, const std::string& text) {
   if (!text.empty()) owner[key] = text;
 }
 
-nlohmann::json CameraToJson(const CaptureCamera& camera) {
+nlohmann::json CaptureCameraToJson(const CaptureCamera& camera) {
   nlohmann::json json = {{"width", camera.width}, {"height", camera.height}};
   PutIntrinsics(json, camera.intrinsics);
   if (camera.encoding) {
@@ -308,7 +284,8 @@ void SaveCapture(const Capture& capture) {
   PutText(json, "board", capture.board);
   PutText(json, "mesh", capture.mesh);
   json["cameras"] = nlohmann::json::object();
-  for (const auto& [key, camera] : capture.cameras) json["cameras"][key] = CameraToJson(camera);
+  for (const auto& [key, camera] : capture.cameras)
+    json["cameras"][key] = CaptureCameraToJson(camera);
   json["photos"] = nlohmann::json::array();
   for (const Photo& photo : capture.photos) json["photos"].push_back(PhotoToJson(photo));
   if (capture.scanner) json["scanner"] = ScannerToJson(*capture.scanner);

@@ -4,59 +4,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
+#include "core/disjoint_sets.h"
 #include "core/error.h"
+#include "core/half_edges.h"
 
 namespace lfm {
 namespace {
 
-struct HalfEdge {
-  int from, to, triangle, edge;
-};
-
-// All half-edges, grouped by undirected edge, in a deterministic order.
-std::vector<HalfEdge> SortedHalfEdges(const TriangleMesh& mesh) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int e = 0; e < 3; ++e) {
-      edges.push_back(
-          {mesh.triangles[t][e], mesh.triangles[t][(e + 1) % 3], static_cast<int>(t), e});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    const auto ka = std::minmax(a.from, a.to), kb = std::minmax(b.from, b.to);
-    if (ka != kb) return ka < kb;
-    return a.triangle != b.triangle ? a.triangle < b.triangle : a.edge < b.edge;
-  });
-  return edges;
-}
-
-bool SameEdge(const HalfEdge& a, const HalfEdge& b) {
-  return std::minmax(a.from, a.to) == std::minmax(b.from, b.to);
-}
-
-class UnionFind {
- public:
-  explicit UnionFind(size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int Find(int a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  void Join(int a, int b) { parent_[Find(a)] = Find(b); }
-
- private:
-  std::vector<int> parent_;
-};
-
 // A vertex is manifold when its triangles form one fan: joining them over shared edges at the
 // vertex leaves one group.
 bool VerticesHaveOneFan(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges) {
-  UnionFind corners(mesh.triangles.size() * 3);
+  DisjointSets corners(mesh.triangles.size() * 3);
   const auto corner_of = [&mesh](int triangle, int vertex) {
     for (int c = 0; c < 3; ++c) {
       if (mesh.triangles[triangle][c] == vertex) return triangle * 3 + c;
@@ -66,7 +26,7 @@ bool VerticesHaveOneFan(const TriangleMesh& mesh, const std::vector<HalfEdge>& e
   for (size_t i = 0; i + 1 < edges.size(); ++i) {
     if (!SameEdge(edges[i], edges[i + 1])) continue;
     for (int vertex : {edges[i].from, edges[i].to}) {
-      corners.Join(corner_of(edges[i].triangle, vertex), corner_of(edges[i + 1].triangle, vertex));
+      corners.Unite(corner_of(edges[i].triangle, vertex), corner_of(edges[i + 1].triangle, vertex));
     }
   }
   std::vector<int> fan(mesh.vertices.size(), -1);
@@ -92,12 +52,12 @@ MeshTopology ExamineTopology(const TriangleMesh& mesh) {
     if (repeated) return topology;
   }
   const std::vector<HalfEdge> edges = SortedHalfEdges(mesh);
-  UnionFind components(mesh.triangles.size());
+  DisjointSets components(mesh.triangles.size());
   bool manifold = true, closed = !edges.empty();
   for (size_t i = 0; i < edges.size();) {
     size_t j = i + 1;
     while (j < edges.size() && SameEdge(edges[i], edges[j])) {
-      components.Join(edges[i].triangle, edges[j].triangle);
+      components.Unite(edges[i].triangle, edges[j].triangle);
       ++j;
     }
     if (j - i > 2) manifold = false;
@@ -164,6 +124,14 @@ double TriangleArea(const TriangleMesh& mesh, int triangle) {
   return 0.5 * (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                    .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
                    .norm();
+}
+
+double TotalArea(const TriangleMesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    area += TriangleArea(mesh, static_cast<int>(t));
+  }
+  return area;
 }
 
 double SignedVolume(const TriangleMesh& mesh) {

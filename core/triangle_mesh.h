@@ -37,6 +37,8 @@ std::vector<Eigen::Vector3d> ComputeVertexNormals(const TriangleMesh& mesh);
 /// Unit normal of a triangle; zero vector when its area is zero.
 Eigen::Vector3d TriangleNormal(const TriangleMesh& mesh, int triangle);
 double TriangleArea(const TriangleMesh& mesh, int triangle);
+/// Of all triangles (mm^2); 0 when there is none.
+double TotalArea(const TriangleMesh& mesh);
 /// Signed volume (mm^3), positive for a closed mesh oriented outwards.
 double SignedVolume(const TriangleMesh& mesh);
 

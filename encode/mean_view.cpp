@@ -258,7 +258,7 @@ MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& sh
   });
   const auto unseen = std::count(measured.begin(), measured.end(), 0);
   if (unseen == triangles) {
-    throw Error("encode: no photograph sees any triangle completely; check poses and mesh");
+    throw Error("encode: no photograph shows enough of any triangle; check poses and mesh");
   }
   if (unseen > 0) FillUnseen(source, edge_samples, measured, means);
   std::vector<PatchValues> patches(triangles);

@@ -32,10 +32,4 @@ struct CleanCloud {
 /// that all lie in a plane or on a line.
 CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits);
 
-/// One point for each cube of `voxel_mm` (two where front and back of something thin share it):
-/// the confidence-weighted mean of the points in it. Averaging lowers their noise; what lies off
-/// the plane through its neighbours by more than five times what is usual, here and over the whole
-/// cloud, is dropped.
-PointCloud ConsolidatePoints(const PointCloud& points, double voxel_mm);
-
 }  // namespace lfm

@@ -5,8 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/error.h"
-#include "core/parallel.h"
+#include "core/ray_scene.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
 
@@ -16,26 +15,6 @@ namespace {
 constexpr int64_t kDeviationSamples = 60000;
 constexpr int64_t kFewestTriangles = 16;
 constexpr double kCountPrecision = 1.03;
-
-std::vector<double> Distances(const std::vector<Eigen::Vector3d>& points, const RayScene& scene) {
-  std::vector<double> distances(points.size());
-  ParallelFor(
-      0, static_cast<int64_t>(points.size()),
-      [&](int64_t i) {
-        const auto closest = scene.Closest(points[i]);
-        if (!closest) throw Error("mesh: no closest point was found", ErrorKind::kSystem);
-        distances[i] = closest->distance;
-      },
-      256);
-  return distances;
-}
-
-double TotalArea(const TriangleMesh& mesh) {
-  double area = 0;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t)
-    area += TriangleArea(mesh, static_cast<int>(t));
-  return area;
-}
 
 double Extent(const TriangleMesh& mesh) {
   Eigen::Vector3d low = mesh.vertices.front(), high = low;
@@ -57,9 +36,9 @@ struct DenseSurface {
 
 SurfaceDeviation Deviation(const TriangleMesh& mesh, const DenseSurface& dense) {
   SurfaceDeviation deviation;
-  std::vector<double> from_surface = Distances(dense.samples.points, RayScene(mesh));
+  std::vector<double> from_surface = DistancesToMesh(dense.samples.points, RayScene(mesh));
   std::vector<double> from_mesh =
-      Distances(SampleSurface(mesh, kDeviationSamples, 2).points, dense.scene);
+      DistancesToMesh(SampleSurface(mesh, kDeviationSamples, 2).points, dense.scene);
   deviation.from_surface = SummarizeDistances(from_surface);
   deviation.from_mesh = SummarizeDistances(from_mesh);
   from_mesh.insert(from_mesh.end(), from_surface.begin(), from_surface.end());

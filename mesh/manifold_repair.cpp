@@ -6,34 +6,18 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <tuple>
 #include <utility>
 
+#include "core/disjoint_sets.h"
 #include "core/error.h"
+#include "core/half_edges.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kSmallestVolume = 0.02;
 constexpr size_t kLargestHole = 32;  // edges
-
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int Find(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Unite(int a, int b) {
-    a = Find(a), b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
 
 // Triangles with three different corners; of each set with the same corners, as many as are left
 // when opposite ones have cancelled, at most one.
@@ -143,18 +127,12 @@ void FillHoles(TriangleMesh& mesh) {
   }
 }
 
-struct HalfEdge {
-  int low, high;  ///< the edge's vertices
-  int corner;     ///< 3 * triangle + corner at which it starts
-  bool forward;   ///< runs from low to high
-};
-
 // Around an edge from low to high, the angle at which a triangle leaves it, in [0, 2 pi).
 double AngleAround(const TriangleMesh& mesh, const HalfEdge& half_edge,
                    const Eigen::Vector3d& reference) {
-  const Eigen::Vector3d origin = mesh.vertices[half_edge.low];
-  const Eigen::Vector3d axis = (mesh.vertices[half_edge.high] - origin).normalized();
-  const int apex = mesh.triangles[half_edge.corner / 3][(half_edge.corner % 3 + 2) % 3];
+  const Eigen::Vector3d origin = mesh.vertices[half_edge.Low()];
+  const Eigen::Vector3d axis = (mesh.vertices[half_edge.High()] - origin).normalized();
+  const int apex = mesh.triangles[half_edge.Corner() / 3][(half_edge.Corner() % 3 + 2) % 3];
   const Eigen::Vector3d arm = mesh.vertices[apex] - origin;
   const double angle = std::atan2(axis.dot(reference.cross(arm)),
                                   arm.dot(reference) - axis.dot(reference) * axis.dot(arm));
@@ -166,13 +144,13 @@ double AngleAround(const TriangleMesh& mesh, const HalfEdge& half_edge,
 // before it: the solid lies between it and the next backward one clockwise.
 std::vector<std::pair<int, int>> PairAroundEdge(const TriangleMesh& mesh,
                                                 const std::vector<HalfEdge>& fan) {
-  const auto forward = std::count_if(fan.begin(), fan.end(), [](auto& h) { return h.forward; });
+  const auto forward = std::count_if(fan.begin(), fan.end(), [](auto& h) { return h.Forward(); });
   if (2 * forward != static_cast<int64_t>(fan.size())) {
     throw Error("reconstruction: the surface has a hole that could not be closed");
   }
-  if (fan.size() == 2) return {{fan[0].corner, fan[1].corner}};
-  const int apex = mesh.triangles[fan[0].corner / 3][(fan[0].corner % 3 + 2) % 3];
-  const Eigen::Vector3d reference = mesh.vertices[apex] - mesh.vertices[fan[0].low];
+  if (fan.size() == 2) return {{fan[0].Corner(), fan[1].Corner()}};
+  const int apex = mesh.triangles[fan[0].Corner() / 3][(fan[0].Corner() % 3 + 2) % 3];
+  const Eigen::Vector3d reference = mesh.vertices[apex] - mesh.vertices[fan[0].Low()];
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < fan.size(); ++i) {
     order.emplace_back(AngleAround(mesh, fan[i], reference), i);
@@ -181,31 +159,16 @@ std::vector<std::pair<int, int>> PairAroundEdge(const TriangleMesh& mesh,
   std::vector<std::pair<int, int>> pairs;
   std::vector<char> used(fan.size());
   for (size_t i = 0; i < order.size(); ++i) {
-    if (!fan[order[i].second].forward) continue;
+    if (!fan[order[i].second].Forward()) continue;
     for (size_t step = 1; step < order.size(); ++step) {
       const size_t other = order[(i + order.size() - step) % order.size()].second;
-      if (fan[other].forward || used[other]) continue;
+      if (fan[other].Forward() || used[other]) continue;
       used[other] = 1;
-      pairs.emplace_back(fan[order[i].second].corner, fan[other].corner);
+      pairs.emplace_back(fan[order[i].second].Corner(), fan[other].Corner());
       break;
     }
   }
   return pairs;
-}
-
-std::vector<HalfEdge> SortedHalfEdges(const TriangleMesh& mesh) {
-  std::vector<HalfEdge> half_edges;
-  half_edges.reserve(3 * mesh.triangles.size());
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-      half_edges.push_back({std::min(a, b), std::max(a, b), static_cast<int>(3 * t) + k, a < b});
-    }
-  }
-  std::sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.corner) < std::tie(b.low, b.high, b.corner);
-  });
-  return half_edges;
 }
 
 // Every fan of triangles that hang together over edges gets its own vertex.
@@ -214,10 +177,7 @@ TriangleMesh SplitFans(const TriangleMesh& mesh, std::vector<int>& piece_of_tria
   DisjointSets corners(3 * mesh.triangles.size()), pieces(mesh.triangles.size());
   for (size_t i = 0; i < half_edges.size();) {
     size_t end = i;
-    while (end < half_edges.size() && half_edges[end].low == half_edges[i].low &&
-           half_edges[end].high == half_edges[i].high) {
-      ++end;
-    }
+    while (end < half_edges.size() && SameEdge(half_edges[end], half_edges[i])) ++end;
     const std::vector<HalfEdge> fan(half_edges.begin() + i, half_edges.begin() + end);
     for (const auto& [a, b] : PairAroundEdge(mesh, fan)) {
       const auto next = [](int corner) { return corner / 3 * 3 + (corner % 3 + 1) % 3; };

@@ -23,24 +23,19 @@ namespace {
 
 constexpr double kGivenSamplesPerTriangle = 40;
 
-// Nothing on the platform is as far from its centre as the cameras usually are.
+// Nothing on the platform is as far from its centre as the cameras usually are. Test photographs
+// are for scoring and have no say.
 double CameraDistance(const CalibResult& calib) {
   std::vector<double> distances;
   for (const auto* images : {&calib.photos, &calib.scans}) {
     for (const PosedImage& image : *images) {
+      if (image.split != PhotoSplit::kTrain) continue;
       distances.push_back(image.camera_from_world.Center().norm());
     }
   }
   if (distances.empty()) return std::numeric_limits<double>::infinity();
   std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
   return distances[distances.size() / 2];
-}
-
-double TotalArea(const TriangleMesh& mesh) {
-  double area = 0;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t)
-    area += TriangleArea(mesh, static_cast<int>(t));
-  return area;
 }
 
 DecimatedMesh Decimate(const TriangleMesh& surface, double pixel_mm, const MeshOptions& options,

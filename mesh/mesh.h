@@ -45,13 +45,14 @@ struct MeshOptions {
 struct MeshResult {
   TriangleMesh surface;  ///< dense, closed 2-manifold; confidence 0 where closed without data
   TriangleMesh mesh;     ///< decimated, closed 2-manifold: carries the light field
-  double pixel_mm = 0;   ///< size of a photograph pixel at the object (median over photographs)
+  double pixel_mm = 0;  ///< size of a photograph pixel at the object: median over train photographs
   double deviation_mean_mm = 0, deviation_p95_mm = 0;  ///< between the two, both directions
 };
 
 /// Reconstructs a closed surface from oriented points and decimates it. `calib` supplies the pixel
-/// footprint. Throws Error for an empty cloud, too few points, or a reconstruction that cannot be
-/// made closed and manifold.
+/// footprint and how far from the platform points may lie; its test photographs have no say in
+/// either. Throws Error for an empty cloud, too few points, no train photograph, or a
+/// reconstruction that cannot be made closed and manifold.
 MeshResult BuildMesh(const PointCloud& points, const CalibResult& calib, const MeshOptions& options,
                      Progress& progress);
 

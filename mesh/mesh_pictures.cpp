@@ -101,13 +101,16 @@ Image DrawMesh(const TriangleMesh& mesh, const Camera& camera, const Pose& camer
   const Eigen::Matrix3d world_from_camera = camera_from_world.rotation.transpose();
   Image picture(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   uint8_t* pixels = picture.Data<uint8_t>();
+  // Where the lens folds back: a zero ray meets nothing.
+  const Eigen::Vector3d sees_nothing = Eigen::Vector3d::Zero();
   ParallelFor(0, camera.height, [&](int64_t y) {
     for (int x = 0; x < camera.width; ++x) {
       Eigen::Vector3d color = Eigen::Vector3d::Zero();
       for (int sample = 0; sample < 4; ++sample) {
         const Eigen::Vector2d pixel(x - 0.25 + 0.5 * (sample % 2),
                                     static_cast<double>(y) - 0.25 + 0.5 * (sample / 2));
-        const Eigen::Vector3d direction = world_from_camera * Unproject(camera, pixel);
+        const Eigen::Vector3d direction =
+            world_from_camera * TryUnproject(camera, pixel).value_or(sees_nothing);
         const auto hit = scene.Intersect(eye, direction);
         color += 0.25 * (hit ? painter.Paint(*hit, direction) : Eigen::Vector3d::Ones().eval());
       }

@@ -42,10 +42,9 @@ double MedianPixelFootprint(const TriangleMesh& surface, const RayScene& scene,
     if (photo.split == PhotoSplit::kTrain) photos.push_back(&photo);
   }
   if (photos.empty()) {
-    for (const PosedImage& photo : calib.photos) photos.push_back(&photo);
-  }
-  if (photos.empty()) {
-    throw Error("mesh: there is no calibrated photograph to measure a pixel's size by; run calib");
+    throw Error(
+        "mesh: there is no calibrated photograph for training to measure a pixel's size by; check "
+        "the splits in capture.json, and calib/poses.json for what was set aside");
   }
   const SurfaceSamples samples = SampleSurface(surface, kSamples, 4);
   std::vector<std::vector<double>> of_photos(photos.size());

@@ -8,8 +8,8 @@
 namespace lfm {
 
 /// Size of a photograph's pixel at the object, mm: the median of depth / focal length over points
-/// spread over the surface and the train photographs that see them (all photographs when none is
-/// for training). Throws Error when there is no photograph, or none sees the object.
+/// spread over the surface and the train photographs that see them; test photographs have no say.
+/// Throws Error when there is no train photograph, or none sees the object.
 double MedianPixelFootprint(const TriangleMesh& surface, const RayScene& scene,
                             const CalibResult& calib);
 

@@ -9,6 +9,8 @@
 
 #include <cstdio>
 #include <exception>
+#include <iostream>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -18,10 +20,15 @@ namespace lfm {
 namespace {
 
 // PCL prints a line on standard output for a cell that it could not close; the repair afterwards
-// deals with those, and nobody who runs a command should read about them.
+// deals with those, and nobody who runs a command should read about them. PCL's Poisson code calls
+// printf: neither its verbosity nor std::cout's buffer reaches that, and only the descriptor does.
+// So the process's standard output leads nowhere while PCL works: what another thread prints in
+// that time is lost, which is why this stands around that one call, one thread at a time, and puts
+// everything back however the call ends. Where no descriptor is free, PCL may be heard.
 class SilentStandardOutput {
  public:
-  SilentStandardOutput() {
+  SilentStandardOutput() : lock_(Mutex()) {
+    std::cout.flush();
     std::fflush(stdout);
     saved_ = dup(STDOUT_FILENO);
     if (saved_ < 0) return;
@@ -40,6 +47,12 @@ class SilentStandardOutput {
   SilentStandardOutput& operator=(const SilentStandardOutput&) = delete;
 
  private:
+  static std::mutex& Mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+
+  std::lock_guard<std::mutex> lock_;
   int saved_ = -1;
 };
 

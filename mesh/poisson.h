@@ -17,8 +17,9 @@ struct PoissonSettings {
 /// indicator's gradient fits the normals, triangles counter-clockwise seen from outside. Normals
 /// count by their length. Runs on one thread: the sums of PCL's parallel loops depend on the number
 /// of threads. Where cells of different size meet PCL sometimes leaves a cell open: repair the
-/// result (RepairToClosedManifold). Standard output is shut while PCL works, since it prints about
-/// those. Not reentrant (PCL keeps its octree's memory in a static pool). Throws Error when there
+/// result (RepairToClosedManifold). The process's standard output is shut while PCL works, since it
+/// prints about those. Two calls at the same time run one after the other (PCL keeps its octree's
+/// memory in a static pool). Throws Error when there
 /// are no points, or no surface comes out.
 TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings);
 

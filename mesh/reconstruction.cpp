@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "mesh/base_closing.h"
-#include "mesh/cleaning.h"
+#include "mesh/consolidation.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
 #include "mesh/manifold_repair.h"
@@ -101,28 +102,34 @@ TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int
          CellSize(object, settings) < kSmallestCellInSpacings * spacing_mm) {
     --settings.depth;
   }
-  progress.Start("reconstructing the surface", 3);
   // PCL's extraction now and then loses edges where octree cells of different size meet, and the
   // holes it leaves cannot always be closed. Another cube puts the cells elsewhere; larger cells
   // bridge what was scanned thinly.
   constexpr int kAttempts = 6;
   constexpr double kScaleStep = 1.017;
+  progress.Start("reconstructing the surface", kAttempts + 2);
   double cell_mm = 0;
   PointCloud measured;
   TriangleMesh surface;
-  for (int attempt = 1; surface.triangles.empty(); ++attempt) {
+  int attempt = 1;
+  for (; surface.triangles.empty(); ++attempt) {
     cell_mm = CellSize(object, settings);
     measured = ConsolidatePoints(object, kVoxelInCells * cell_mm);
     if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
     try {
       surface = ReconstructOnce(measured, settings, cell_mm);
-    } catch (const Error&) {
-      if (attempt == kAttempts) throw;
+    } catch (const Error& error) {
+      // Only what the points cannot give is worth another cube; a failure of ours is not.
+      if (error.kind() == ErrorKind::kSystem || attempt == kAttempts) throw;
       settings.cube_scale *= kScaleStep;
       if (attempt > kAttempts / 2) settings.depth = std::max(kShallowest, settings.depth - 1);
+      progress.Note("attempt " + std::to_string(attempt) + " of " + std::to_string(kAttempts) +
+                    " left no closed surface (" + error.what() + "); trying again at depth " +
+                    std::to_string(settings.depth));
     }
+    progress.Advance();
   }
-  progress.Advance();
+  progress.Advance(kAttempts + 1 - attempt);
   surface = FitToPoints(FlipTowardsDelaunay(surface), object, cell_mm);
   progress.Advance();
   surface.normals = ComputeVertexNormals(surface);

@@ -14,7 +14,12 @@ namespace lfm {
 /// Cells are 1.1 * extent / 2^depth wide: 0.5 mm for 120 mm at depth 8. Confidence is 0 on the cap
 /// and where no point with a like normal lies within two and a half cells or three spacings of
 /// points; else in (0, 1]: that of the nearest points, less the farther they are. Normals are area
-/// weighted. Throws Error when no closed manifold comes out.
+/// weighted.
+///
+/// When no closed manifold comes out, up to five more attempts follow, with the octree's cube moved
+/// and at last coarser; each is a note in `progress`, which counts them and may interrupt between
+/// two. Throws Error when the last attempt fails too, and at once for a failure that is ours
+/// (kSystem).
 TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int depth,
                                 Progress& progress);
 

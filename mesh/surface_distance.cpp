@@ -97,12 +97,16 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, int64_t count, uint64_t s
 std::vector<double> DistancesToMesh(const std::vector<Eigen::Vector3d>& points,
                                     const TriangleMesh& mesh) {
   ValidateMesh(mesh, "distances to a mesh");
+  return DistancesToMesh(points, RayScene(mesh));
+}
+
+std::vector<double> DistancesToMesh(const std::vector<Eigen::Vector3d>& points,
+                                    const RayScene& scene) {
   for (size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) {
       throw Error("distances to a mesh: point " + std::to_string(i) + " is not finite");
     }
   }
-  const RayScene scene(mesh);
   std::vector<double> distances(points.size());
   ParallelFor(
       0, static_cast<int64_t>(points.size()),

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/ray_scene.h"
 #include "core/triangle_mesh.h"
 
 namespace lfm {
@@ -37,5 +38,8 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, int64_t count, uint64_t s
 /// finite.
 std::vector<double> DistancesToMesh(const std::vector<Eigen::Vector3d>& points,
                                     const TriangleMesh& mesh);
+/// The same to a mesh prepared once for many calls.
+std::vector<double> DistancesToMesh(const std::vector<Eigen::Vector3d>& points,
+                                    const RayScene& scene);
 
 }  // namespace lfm

@@ -102,10 +102,7 @@ StageJob CalibJob(const Run& run) {
           Join(run.ManifestFiles(), run.PhotoFiles(), run.ScannerFiles()),
           [&run](const fs::path& folder) {
             const CalibResult result =
-                run.capture.BringsGeometry()
-                    ? CalibFromCapture(run.capture)
-                    : Calibrate(run.capture, ReadBoard(run.capture.folder / run.capture.board),
-                                MakeImageLoader(run.capture), run.options.calib, run.progress);
+                CalibrateCapture(run.capture, run.options.calib, run.progress);
             SaveCalib(result, folder);
             for (const RejectedImage& r : result.rejected) {
               run.progress.Note("set aside: " + r.id + ": " + r.reason);

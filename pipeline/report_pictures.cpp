@@ -127,7 +127,7 @@ void DrawResampling(const LightField& light_field, Gallery& gallery) {
   options.value_high =
       std::max(1.0f, *std::max_element(options.values.begin(), options.values.end()));
   gallery.Add("resample", "resample-coverage",
-              "Photographs that saw each part completely: dark none, yellow " +
+              "Photographs that were used for each part: dark none, yellow " +
                   std::to_string(std::lround(options.value_high)) + ".",
               DrawFromAllSides(light_field.mesh(), options));
 }

@@ -21,8 +21,8 @@ std::vector<float> DenseBlock(const LightField& light_field, int triangle, int c
 void WriteDense(const LightField& light_field, const std::filesystem::path& file,
                 Progress& progress);
 
-/// Reads one block of such a file back. Throws Error when the file is not one, is truncated, or has
-/// no such block.
+/// Reads one block of such a file back, as a test does that takes the file for its oracle. Throws
+/// Error when the file is not one, is truncated, or has no such block.
 std::vector<float> ReadDenseBlock(const std::filesystem::path& file, int triangle, int corner);
 
 }  // namespace lfm

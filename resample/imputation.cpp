@@ -17,39 +17,34 @@ using Factor = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 constexpr float kRidge_rel = 1e-3F;
 constexpr int kSweeps = 20;
 
-/// Means of what is known, a row at a time and a view and channel at a time.
+/// Means of what is known of each row, and how much is known of each row and view.
 struct Means {
-  Eigen::VectorXf of_row;
-  Eigen::VectorXf row_count;
-  Eigen::MatrixXf of_view;  ///< 3 x views
-  Eigen::MatrixXf view_count;
+  Eigen::VectorXf of_row;  ///< 0 where nothing is known
+  Eigen::VectorXf row_count, view_count;
 };
 
 Means MeansOfKnown(const PartialMatrix& matrix) {
   const Index rows = matrix.values.rows(), views = matrix.values.cols();
   Means means{Eigen::VectorXf::Zero(rows), Eigen::VectorXf::Zero(rows),
-              Eigen::MatrixXf::Zero(3, views), Eigen::MatrixXf::Zero(3, views)};
+              Eigen::VectorXf::Zero(views)};
   for (Index v = 0; v < views; ++v) {
     for (Index r = 0; r < rows; ++r) {
       if (matrix.knowledge(r, v) == Knowledge::kMissing) continue;
       means.of_row[r] += matrix.values(r, v);
       means.row_count[r] += 1;
-      means.of_view(r % 3, v) += matrix.values(r, v);
-      means.view_count(r % 3, v) += 1;
+      means.view_count[v] += 1;
     }
   }
   means.of_row.array() /= means.row_count.array().max(1);
-  means.of_view.array() /= means.view_count.array().max(1);
   return means;
 }
 
-/// The matrix with its gaps filled for a start: by the row's mean, else by the view's.
+/// The matrix with its gaps filled by the row's mean, for a start.
 Eigen::MatrixXf FillGaps(const PartialMatrix& matrix, const Means& means) {
   Eigen::MatrixXf filled = matrix.values;
   for (Index v = 0; v < filled.cols(); ++v) {
     for (Index r = 0; r < filled.rows(); ++r) {
-      if (matrix.knowledge(r, v) != Knowledge::kMissing) continue;
-      filled(r, v) = means.row_count[r] > 0 ? means.of_row[r] : means.of_view(r % 3, v);
+      if (matrix.knowledge(r, v) == Knowledge::kMissing) filled(r, v) = means.of_row[r];
     }
   }
   return filled;
@@ -63,7 +58,9 @@ struct Factors {
 /// Principal terms of the filled matrix, the singular value shared evenly by both sides: then one
 /// ridge holds a weak term back more than a strong one.
 Factors StartFactors(const Eigen::MatrixXf& filled, int terms) {
-  const Eigen::MatrixXd gram = (filled.transpose() * filled).cast<double>();
+  // Products in double: squaring doubles the digits that a weak term needs beside a strong one.
+  const Eigen::MatrixXd exact = filled.cast<double>();
+  const Eigen::MatrixXd gram = exact.transpose() * exact;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
   Factors factors{Factor::Zero(filled.rows(), 2), Factor::Zero(filled.cols(), 2), 0};
   for (int k = 0; k < terms; ++k) {
@@ -149,9 +146,7 @@ Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling) {
       float estimate = factors.rows.row(r).dot(factors.views.row(v));
       if (known == Knowledge::kLowerBound) {
         estimate = std::max(estimate, matrix.values(r, v));
-      } else if (means.row_count[r] == 0) {
-        estimate = means.of_view(r % 3, v);
-      } else if (means.view_count.col(v).sum() == 0) {
+      } else if (means.row_count[r] == 0 || means.view_count[v] == 0) {
         estimate = means.of_row[r];
       }
       result(r, v) = std::clamp(estimate, 0.0F, ceiling);

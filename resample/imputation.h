@@ -15,8 +15,8 @@ enum class Knowledge : uint8_t {
 
 /// The views of one patch, some entries of which are not data.
 struct PartialMatrix {
-  /// Rows x views; rows are samples times three channels, channel = row % 3. What stands at a
-  /// missing entry is not used, but must be finite.
+  /// Rows x views; a row is one channel of one sample. What stands at a missing entry is not used,
+  /// but must be finite.
   Eigen::MatrixXf values;
   Eigen::Matrix<Knowledge, Eigen::Dynamic, Eigen::Dynamic> knowledge;  ///< the same shape
 };
@@ -30,10 +30,10 @@ struct PartialMatrix {
 /// becomes the fit, not below zero. Both are at most `ceiling`. Data stay as they are, bit for bit.
 ///
 /// No view is dropped for being saturated: those are the views that show the highlight, and a
-/// triangle without them would be too dark there. A row without any data or bound takes the mean of
-/// each view's rows of the same channel; a view without any takes the means over views. With no
-/// data and no bound at all the estimates are zero. Never NaN for finite values. The ridge costs
-/// about a thousandth of a well-known value, more where little is known.
+/// triangle without them would be too dark there. A view without any data or bound takes the rows'
+/// means over the other views. A row without any is left at zero: what lies beside it the caller
+/// knows (triangle_resampling takes the nearest sample). Never NaN for finite values. The ridge
+/// costs about a thousandth of a well-known value, more where little is known.
 Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling);
 
 }  // namespace lfm

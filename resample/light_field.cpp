@@ -86,20 +86,4 @@ int64_t LightField::DenseBytes() const {
   return 3 * samples * grid() * grid();
 }
 
-double LightField::MeanVisibleViews() const {
-  int64_t views = 0;
-  for (const auto& record : state_->content.records) {
-    views += static_cast<int64_t>(record.photos.size());
-  }
-  return static_cast<double>(views) / triangle_count();
-}
-
-double LightField::MeanSamplesPerTriangle() const {
-  int64_t samples = 0;
-  for (const auto& record : state_->content.records) {
-    samples += PatchSampleCount(record.edge_samples);
-  }
-  return static_cast<double>(samples) / triangle_count();
-}
-
 }  // namespace lfm

@@ -90,8 +90,6 @@ class LightField {
 
   /// 3 bytes x samples x grid^2, over all triangles: what the literature counts ratios against.
   int64_t DenseBytes() const;
-  double MeanVisibleViews() const;
-  double MeanSamplesPerTriangle() const;
 
  private:
   struct State;

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error.h"
-#include "core/parallel.h"
-
 namespace lfm {
 namespace {
 
@@ -76,33 +73,17 @@ std::vector<uint8_t> MarkEdges(const DepthMap& map, const Camera& camera) {
 
 }  // namespace
 
-PixelRays ComputePixelRays(const Camera& camera) {
-  PixelRays rays{camera.width, camera.height, {}};
-  rays.directions.resize(static_cast<size_t>(camera.width) * camera.height,
-                         Eigen::Vector3f::Zero());
-  ParallelFor(0, camera.height, [&](int64_t y) {
-    for (int x = 0; x < camera.width; ++x) {
-      try {
-        const Eigen::Vector3d ray = Unproject(camera, {x, static_cast<double>(y)});
-        rays.directions[static_cast<size_t>(y) * camera.width + x] = ray.cast<float>();
-      } catch (const Error&) {
-        // The lens model folds back here: the pixel sees nothing that can be told.
-      }
-    }
-  });
-  return rays;
-}
-
 DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const Camera& camera,
-                     const PixelRays& rays, const Pose& camera_from_world) {
-  DepthMap map{rays.width, rays.height, {}};
-  map.depth.assign(rays.directions.size(), kNothing);
+                     const std::vector<Eigen::Vector3d>& directions,
+                     const Pose& camera_from_world) {
+  DepthMap map{camera.width, camera.height, {}};
+  map.depth.assign(directions.size(), kNothing);
   const PixelBox box = BoxAround(surface, camera, camera_from_world);
   const Pose world_from_camera = camera_from_world.Inverse();
   for (int y = box.y_begin; y < box.y_end; ++y) {
     for (int x = box.x_begin; x < box.x_end; ++x) {
       const size_t i = static_cast<size_t>(y) * map.width + x;
-      const Eigen::Vector3d ray = rays.directions[i].cast<double>();
+      const Eigen::Vector3d& ray = directions[i];
       if (ray.z() <= 0) continue;
       const auto hit =
           scene.Intersect(world_from_camera.translation, world_from_camera.rotation * ray);

@@ -12,15 +12,6 @@
 
 namespace lfm {
 
-/// Unit directions in the camera frame through the pixel centres, rows from the top: made once a
-/// camera, for undoing a lens takes longer than casting a ray. Where the lens model folds back the
-/// direction is zero. Parallel over rows.
-struct PixelRays {
-  int width = 0, height = 0;
-  std::vector<Eigen::Vector3f> directions;
-};
-PixelRays ComputePixelRays(const Camera& camera);
-
 /// What a photograph sees of a surface, rows from the top: the camera's Z (mm) of the first hit of
 /// each pixel's ray, infinite where there is none.
 struct DepthMap {
@@ -31,10 +22,10 @@ struct DepthMap {
 };
 
 /// Casts a ray through every pixel centre of the part of the picture that holds `surface` (whose
-/// prepared form is `scene`), lens distortion included. Runs in the calling thread: callers have
-/// many photographs.
+/// prepared form is `scene`), lens distortion included: `directions` are PixelDirections(camera).
+/// Runs in the calling thread: callers have many photographs.
 DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const Camera& camera,
-                     const PixelRays& rays, const Pose& camera_from_world);
+                     const std::vector<Eigen::Vector3d>& directions, const Pose& camera_from_world);
 
 /// What a pixel is good for.
 enum class PixelUse : uint8_t {

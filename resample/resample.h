@@ -62,7 +62,7 @@ struct ResampleResult {
   double mean_visible_views = 0;
   double samples_per_triangle = 0;
   int64_t dense_bytes = 0;
-  int unseen_triangles = 0;          ///< seen completely by no photograph
+  int unseen_triangles = 0;          ///< no photograph shows enough of them (min_data_share)
   double saturated_share = 0;        ///< of all samples
   double near_edge_share = 0;        ///< of all samples: estimated, for they lie near a depth edge
   double seen_directions_share = 0;  ///< of the view grids' entries: inside the hull of photographs

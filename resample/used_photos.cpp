@@ -5,17 +5,19 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/pixel_directions.h"
 #include "resample/photo_depth.h"
 
 namespace lfm {
 namespace {
 
 /// Lenses are undone once a camera, not once a photograph.
-std::map<std::string, PixelRays> RaysOfCameras(const std::vector<UsedPhoto>& photos) {
-  std::map<std::string, PixelRays> rays;
+std::map<std::string, std::vector<Eigen::Vector3d>> RaysOfCameras(
+    const std::vector<UsedPhoto>& photos) {
+  std::map<std::string, std::vector<Eigen::Vector3d>> rays;
   for (const UsedPhoto& photo : photos) {
     if (!rays.contains(photo.camera_name)) {
-      rays[photo.camera_name] = ComputePixelRays(photo.camera);
+      rays[photo.camera_name] = PixelDirections(photo.camera);
     }
   }
   return rays;
@@ -74,7 +76,7 @@ std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
                                     const ImageLoader& load_image, const ResampleOptions& options,
                                     Progress& progress) {
   progress.Start("looking at photographs", static_cast<int64_t>(photos.size()));
-  const std::map<std::string, PixelRays> rays = RaysOfCameras(photos);
+  const std::map<std::string, std::vector<Eigen::Vector3d>> rays = RaysOfCameras(photos);
   std::vector<SeenPhoto> seen(photos.size());
   ParallelFor(0, static_cast<int64_t>(photos.size()), [&](int64_t p) {
     const UsedPhoto& photo = photos[static_cast<size_t>(p)];

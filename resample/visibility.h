@@ -35,7 +35,8 @@ struct VisibleTriangle {
   double area_px = 0;  ///< of its projection
 };
 
-/// The triangles of `mesh` that a photograph shows completely (Chen 2002, section 5.2), ascending.
+/// The triangles of `mesh` for which a photograph is used (Chen 2002, section 5.2, which asks for
+/// all of a triangle; here a share may lie near depth edges), ascending.
 ///
 /// A triangle counts when the angle between its normal and the direction to the camera is at most
 /// `max_grazing_deg`, it is completely inside the frame and the mask, completely unoccluded, and at

@@ -140,8 +140,4 @@ void DecodeWeights(std::span<const std::byte> bytes, LightField::WeightBuffer& b
   }
 }
 
-size_t EncodedWeightsSize(std::span<const std::byte> bytes) {
-  return PaddedSize(Load<Counts>(bytes.data()));
-}
-
 }  // namespace lfm

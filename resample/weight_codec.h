@@ -27,7 +27,4 @@ size_t CheckWeights(std::span<const std::byte> bytes, size_t entry_count, size_t
 /// The inverse of AppendWeights, for bytes that CheckWeights has accepted.
 void DecodeWeights(std::span<const std::byte> bytes, LightField::WeightBuffer& buffer);
 
-/// Length of encoded weights that CheckWeights has accepted.
-size_t EncodedWeightsSize(std::span<const std::byte> bytes);
-
 }  // namespace lfm

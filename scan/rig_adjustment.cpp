@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/lens_distortion.h"
 
 namespace lfm {
 namespace {
@@ -49,14 +50,12 @@ struct ProjectorResidual {
     const T z = turned[2] + translation[2];
     if (!(z > T(1e-6))) return false;
     const T x = (turned[0] + translation[0]) / z, y = (turned[1] + translation[1]) / z;
-    const T r2 = x * x + y * y;
-    const T radial = T(1) + r2 * (lens[0] + r2 * (lens[1] + r2 * T(k3)));
-    const T& p1 = lens[2];
-    const T& p2 = lens[3];
-    const T xd = x * radial + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
-    const T yd = y * radial + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
-    residual[0] = T(weight.x()) * (pinhole[0] * xd + pinhole[2] - T(seen.projector_px.x()));
-    residual[1] = T(weight.y()) * (pinhole[1] * yd + pinhole[3] - T(seen.projector_px.y()));
+    const Eigen::Matrix<T, 2, 1> distorted =
+        DistortNormalized(LensTerms<T>{lens[0], lens[1], T(k3), lens[2], lens[3]}, x, y);
+    residual[0] =
+        T(weight.x()) * (pinhole[0] * distorted[0] + pinhole[2] - T(seen.projector_px.x()));
+    residual[1] =
+        T(weight.y()) * (pinhole[1] * distorted[1] + pinhole[3] - T(seen.projector_px.y()));
     return true;
   }
 };

@@ -140,19 +140,6 @@ FitStatistics Statistics(const RigState& state, const std::vector<PriorPlane>& p
   return statistics;
 }
 
-/// The pose whose plane is the adjusted one; what the plane does not tell stays.
-Pose RefinedPose(const Pose& pose, const PriorPlane& plane, const Eigen::Vector3d& shift) {
-  const Eigen::Vector3d normal =
-      (plane.normal + shift(0) * plane.axis_u + shift(1) * plane.axis_v).normalized();
-  const Eigen::Matrix3d turn =
-      Eigen::Quaterniond::FromTwoVectors(plane.normal, normal).toRotationMatrix();
-  Pose refined = pose;
-  refined.rotation = turn * pose.rotation;
-  const double distance = plane.distance + shift(2);
-  refined.translation += (distance - normal.dot(pose.translation)) * normal;
-  return refined;
-}
-
 }  // namespace
 
 std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decoded,
@@ -226,10 +213,6 @@ RigAdjustment CalibrateRig(const Camera& camera, int projector_width, int projec
   result.rig.projector_from_camera = state.projector_from_camera;
   result.rig.projector_rms_px = statistics.rms_px;
   result.rig.condition = condition;
-  for (size_t i = 0; i < placements.size(); ++i) {
-    result.camera_from_world.push_back(
-        RefinedPose(placements[i].camera_from_world, planes[i], state.plane_shift[i]));
-  }
   return result;
 }
 

@@ -41,9 +41,8 @@ struct RigCalibrationOptions {
 
 struct RigAdjustment {
   RigCalibration rig;
-  std::vector<Pose> camera_from_world;  ///< placements, refined where the projector knew better
-  int used = 0;                         ///< correspondences within robust_scale sigmas
-  int lens_terms = 0;                   ///< 0; 1: k1; 2: k1 k2; 4: k1 k2 p1 p2
+  int used = 0;        ///< correspondences within robust_scale sigmas
+  int lens_terms = 0;  ///< 0; 1: k1; 2: k1 k2; 4: k1 k2 p1 p2
 };
 
 /// Correspondences of one decoded placement, at most about `max_count`, on a regular grid of the

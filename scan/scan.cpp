@@ -35,9 +35,11 @@ const PosedImage* FindPose(const std::vector<PosedImage>& poses, const std::stri
   return found == poses.end() ? nullptr : &*found;
 }
 
-std::string WhyNoPose(const CalibResult& calib, const std::string& id) {
+std::string WhyNoPose(const CalibResult& calib, const ScanSet& set) {
   for (const RejectedImage& r : calib.rejected) {
-    if (r.id == id) return "calibration found no pose of the platform: " + r.reason;
+    // A photograph may have the same id; its file is another.
+    const bool own = std::find(set.frames.begin(), set.frames.end(), r.file) != set.frames.end();
+    if (own && r.id == set.id) return "calibration found no pose of the platform: " + r.reason;
   }
   return "calibration has no pose of the platform for it; run lfm-calib again";
 }
@@ -56,7 +58,7 @@ std::vector<DecodedSet> DecodeSets(const std::vector<ScanSet>& sets,
     out.set = &set;
     out.pose = FindPose(poses, set.id);
     if (out.pose == nullptr) {
-      out.reason = WhyNoPose(calib, set.id);
+      out.reason = WhyNoPose(calib, set);
       progress.Advance(static_cast<int64_t>(set.frames.size()));
       return;
     }
@@ -89,8 +91,34 @@ std::vector<ScanFailure> Failures(const std::vector<DecodedSet>& sets) {
   return failures;
 }
 
-bool FitsCamera(const DecodedPixels& pixels, const Camera& camera) {
-  return pixels.width == camera.width && pixels.height == camera.height;
+/// Sets aside what was taken in another size than the calibration saw.
+void RequireSizeOf(const Camera& camera, std::vector<DecodedSet>& sets) {
+  for (DecodedSet& s : sets) {
+    if (!s.pixels || (s.pixels->width == camera.width && s.pixels->height == camera.height)) {
+      continue;
+    }
+    s.reason = "its pictures have " + std::to_string(s.pixels->width) + " x " +
+               std::to_string(s.pixels->height) + " pixels, the calibrated camera " +
+               std::to_string(camera.width) + " x " + std::to_string(camera.height);
+    s.pixels.reset();
+  }
+}
+
+PatternSequence RequireColumns(const Capture& capture, const std::vector<std::string>& roles,
+                               const char* key) {
+  const Scanner& scanner = *capture.scanner;
+  const PatternSequence sequence =
+      SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
+  const bool columns =
+      std::any_of(sequence.patterns.begin(), sequence.patterns.end(), [](const Pattern& pattern) {
+        return pattern.kind == PatternKind::kGray && pattern.axis == PatternAxis::kColumn;
+      });
+  if (!columns) {
+    throw Error((capture.folder / "capture.json").string() + ": scanner." + key +
+                ": names no column patterns (\"column-gray-0\", ...), and points are measured by "
+                "projector columns; scan with them");
+  }
+  return sequence;
 }
 
 RigCalibration CalibrateFromPlacements(const Scanner& scanner, const Camera& camera,
@@ -99,7 +127,7 @@ RigCalibration CalibrateFromPlacements(const Scanner& scanner, const Camera& cam
   std::vector<PlatePlacement> placements;
   std::vector<PlateCorrespondence> correspondences;
   for (const DecodedSet& s : sets) {
-    if (!s.pixels || !FitsCamera(*s.pixels, camera)) continue;
+    if (!s.pixels) continue;
     placements.push_back({s.pose->camera_from_world, s.pose->covariance});
     const std::vector<PlateCorrespondence> found =
         PlateCorrespondences(*s.pixels, rays, board, placements.back(),
@@ -183,18 +211,19 @@ ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& c
         "calibrated; scan it at least twice, tilted in different directions, under column and row "
         "patterns");
   }
-  const std::vector<Eigen::Vector2d> rays = PixelRays(camera->second);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera->second);
 
-  const auto sequence = [&](const std::vector<std::string>& roles) {
-    return SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
-  };
+  const PatternSequence placement_sequence =
+      RequireColumns(capture, scanner.placement_roles, "placement_roles");
+  const PatternSequence scan_sequence = RequireColumns(capture, scanner.scan_roles, "scan_roles");
   progress.Start("decode placements",
                  static_cast<int64_t>(scanner.placements.size() * scanner.placement_roles.size()));
   ScanResult result;
   {
-    const std::vector<DecodedSet> placements =
-        DecodeSets(scanner.placements, calib.placements, calib, sequence(scanner.placement_roles),
-                   load_image, options, progress);
+    std::vector<DecodedSet> placements =
+        DecodeSets(scanner.placements, calib.placements, calib, placement_sequence, load_image,
+                   options, progress);
+    RequireSizeOf(camera->second, placements);
     result.rejected = Failures(placements);
     result.rig = CalibrateFromPlacements(scanner, camera->second, board, rays, placements);
   }
@@ -203,14 +232,10 @@ ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& c
   progress.Start("decode scans",
                  static_cast<int64_t>(scanner.scans.size() * scanner.scan_roles.size()));
   std::vector<DecodedSet> scans =
-      DecodeSets(scanner.scans, calib.scans, calib, sequence(scanner.scan_roles), load_image,
-                 options, progress);
+      DecodeSets(scanner.scans, calib.scans, calib, scan_sequence, load_image, options, progress);
+  RequireSizeOf(camera->second, scans);
   std::vector<const DecodedSet*> good;
-  for (DecodedSet& s : scans) {
-    if (s.pixels && !FitsCamera(*s.pixels, camera->second)) {
-      s.pixels.reset();
-      s.reason = "its pictures are not of the size that the calibration saw";
-    }
+  for (const DecodedSet& s : scans) {
     if (s.pixels) good.push_back(&s);
   }
   const std::vector<ScanFailure> failures = Failures(scans);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/ply.h"
@@ -14,6 +15,7 @@ namespace lfm {
 namespace {
 
 constexpr int kMaxScans = 100000;
+constexpr int kMaxSide = 65536;
 
 std::string ScanFileName(size_t index) {
   char name[32];
@@ -44,34 +46,14 @@ void RemoveStaleScans(const std::filesystem::path& folder, size_t count) {
   for (const auto& file : stale) std::filesystem::remove(file, ignored);
 }
 
-nlohmann::json CameraJson(const Camera& c) {
-  return {{"width", c.width}, {"height", c.height}, {"fx", c.fx}, {"fy", c.fy},
-          {"cx", c.cx},       {"cy", c.cy},         {"k1", c.k1}, {"k2", c.k2},
-          {"k3", c.k3},       {"p1", c.p1},         {"p2", c.p2}};
-}
-
-Camera ReadCamera(JsonReader reader, const std::string& where) {
-  Camera c;
-  c.width = reader.Integer("width", 1, 65536);
-  c.height = reader.Integer("height", 1, 65536);
-  c.fx = reader.Number("fx");
-  c.fy = reader.Number("fy");
-  c.cx = reader.Number("cx");
-  c.cy = reader.Number("cy");
-  c.k1 = reader.Number("k1");
-  c.k2 = reader.Number("k2");
-  c.k3 = reader.Number("k3");
-  c.p1 = reader.Number("p1");
-  c.p2 = reader.Number("p2");
-  reader.Finish();
-  ValidateCamera(c, where.c_str());
-  return c;
+Camera ReadCamera(JsonReader reader) {
+  return CameraFromJson(reader, kMaxSide, LensKeys::kRequired);
 }
 
 nlohmann::json RigJson(const ScanResult& result) {
   nlohmann::json json;
-  json["camera"] = CameraJson(result.rig.camera);
-  json["projector"] = CameraJson(result.rig.projector);
+  json["camera"] = CameraToJson(result.rig.camera);
+  json["projector"] = CameraToJson(result.rig.projector);
   json["projector_from_camera"] = PoseToJson(result.rig.projector_from_camera);
   json["camera_rms_px"] = result.rig.camera_rms_px;
   json["projector_rms_px"] = result.rig.projector_rms_px;
@@ -121,8 +103,8 @@ ScanResult LoadScan(const std::filesystem::path& folder) {
   const nlohmann::json json = ReadJson(file);
   JsonReader reader(json, file.string());
   ScanResult result;
-  result.rig.camera = ReadCamera(reader.Object("camera"), file.string() + ": camera");
-  result.rig.projector = ReadCamera(reader.Object("projector"), file.string() + ": projector");
+  result.rig.camera = ReadCamera(reader.Object("camera"));
+  result.rig.projector = ReadCamera(reader.Object("projector"));
   JsonReader pose = reader.Object("projector_from_camera");
   result.rig.projector_from_camera = PoseFromJson(pose);
   pose.Finish();

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/pixel_directions.h"
 
 namespace lfm {
 namespace {
@@ -127,7 +128,7 @@ double DepthPerColumn(const RigCalibration& rig, const Eigen::Vector2d& ray, dou
 
 struct PixelVerdict {
   Eigen::Vector3f normal = {0, 0, 0};
-  float sigma_mm = 0, confidence = 0;
+  float confidence = 0;
 };
 
 PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2d& ray,
@@ -152,20 +153,18 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
   const double confidence = decoding * std::sqrt(std::min(seen, lit)) / (1 + expected * expected);
   if (!(confidence >= options.min_confidence)) return verdict;
   verdict.normal = normal.cast<float>();
-  verdict.sigma_mm = static_cast<float>(sigma_mm);
   verdict.confidence = static_cast<float>(std::min(1.0, confidence));
   return verdict;
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> PixelRays(const Camera& camera) {
-  std::vector<Eigen::Vector2d> rays(static_cast<size_t>(camera.width) * camera.height);
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
-      rays[static_cast<size_t>(y) * camera.width + x] =
-          Unproject(camera, Eigen::Vector2d(x, y)).hnormalized();
-    }
+std::vector<Eigen::Vector2d> NormalizedRays(const Camera& camera) {
+  const std::vector<Eigen::Vector3d> directions = PixelDirections(camera);
+  std::vector<Eigen::Vector2d> rays(directions.size());
+  for (size_t p = 0; p < rays.size(); ++p) {
+    // Zero by zero where the lens folds: not a number.
+    rays[p] = directions[p].hnormalized();
   }
   return rays;
 }
@@ -211,7 +210,7 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
   }
   std::vector<double> depth(pixels, 0);
   for (size_t p = 0; p < pixels; ++p) {
-    if (decoded.column.confidence[p] <= 0) continue;
+    if (decoded.column.confidence[p] <= 0 || !rays[p].allFinite()) continue;
     depth[p] = DepthFromColumn(rig, rays[p], decoded.column.position[p]).value_or(0);
   }
   RangeMap map;
@@ -219,7 +218,6 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
   map.height = decoded.height;
   map.depth.assign(pixels, 0);
   map.normal.assign(pixels, Eigen::Vector3f::Zero());
-  map.sigma_mm.assign(pixels, 0);
   map.confidence.assign(pixels, 0);
   const Neighbourhood neighbourhood(rays, depth, map.width, map.height, options);
   const Eigen::Vector3d projector_center = rig.projector_from_camera.Center();
@@ -236,7 +234,6 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
       if (verdict.confidence <= 0) continue;
       map.depth[p] = depth[p];
       map.normal[p] = verdict.normal;
-      map.sigma_mm[p] = verdict.sigma_mm;
       map.confidence[p] = verdict.confidence;
     }
   }

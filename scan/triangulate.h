@@ -13,8 +13,8 @@
 namespace lfm {
 
 /// Normalised, undistorted coordinates (X/Z, Y/Z) through the centre of each pixel, rows from the
-/// top. Throws Error when the lens model folds inside the picture.
-std::vector<Eigen::Vector2d> PixelRays(const Camera& camera);
+/// top; not a number where the lens model folds back: no point is measured there.
+std::vector<Eigen::Vector2d> NormalizedRays(const Camera& camera);
 
 /// Depth Z (mm, camera frame) at which the ray (x, y, 1) meets the light that left the projector
 /// through `column`: linear in Z for a pinhole; with lens terms the projector's undistorted column
@@ -30,7 +30,6 @@ struct RangeMap {
   int width = 0, height = 0;
   std::vector<double> depth;            ///< Z, mm; 0 = nothing (left)
   std::vector<Eigen::Vector3f> normal;  ///< unit, towards the scanner
-  std::vector<float> sigma_mm;          ///< standard deviation along the ray, from decoding
   std::vector<float> confidence;        ///< [0, 1]
 };
 
@@ -45,7 +44,7 @@ struct RangeMap {
 /// - seen or lit at more than `max_grazing_deg` from the normal,
 /// - below `min_confidence`: the product of decoding, expected error along the ray, roughness, and
 ///   obliqueness.
-/// `rays` are PixelRays(rig.camera). Throws Error when sizes disagree.
+/// `rays` are NormalizedRays(rig.camera). Throws Error when sizes disagree.
 RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2d>& rays,
                      const DecodedPixels& decoded, const ScanOptions& options);
 

@@ -2,6 +2,7 @@
 #include "viewer/camera_file.h"
 
 #include "calib/calib_files.h"
+#include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 
@@ -17,39 +18,16 @@ PosedCamera ReadCameraFile(const std::filesystem::path& file) {
   JsonReader reader(json, file.string());
   JsonReader intrinsics = reader.Object("camera");
   PosedCamera posed;
-  Camera& camera = posed.camera;
-  camera.width = intrinsics.Integer("width", 1, kMaxSide);
-  camera.height = intrinsics.Integer("height", 1, kMaxSide);
-  camera.fx = intrinsics.Number("fx");
-  camera.fy = intrinsics.Number("fy");
-  camera.cx = intrinsics.Number("cx");
-  camera.cy = intrinsics.Number("cy");
-  camera.k1 = intrinsics.NumberOr("k1", 0);
-  camera.k2 = intrinsics.NumberOr("k2", 0);
-  camera.k3 = intrinsics.NumberOr("k3", 0);
-  camera.p1 = intrinsics.NumberOr("p1", 0);
-  camera.p2 = intrinsics.NumberOr("p2", 0);
-  intrinsics.Finish();
+  posed.camera = CameraFromJson(intrinsics, kMaxSide, LensKeys::kOptional);
   JsonReader pose = reader.Object("camera_from_world");
   posed.camera_from_world = PoseFromJson(pose);
   reader.Finish();
-  ValidateCamera(camera, file.string().c_str());
   return posed;
 }
 
 void WriteCameraFile(const PosedCamera& posed, const std::filesystem::path& file) {
-  const Camera& camera = posed.camera;
-  nlohmann::json intrinsics = {{"width", camera.width}, {"height", camera.height},
-                               {"fx", camera.fx},       {"fy", camera.fy},
-                               {"cx", camera.cx},       {"cy", camera.cy}};
-  if (camera.HasDistortion()) {
-    intrinsics.update({{"k1", camera.k1},
-                       {"k2", camera.k2},
-                       {"k3", camera.k3},
-                       {"p1", camera.p1},
-                       {"p2", camera.p2}});
-  }
-  WriteJson({{"camera", intrinsics}, {"camera_from_world", PoseToJson(posed.camera_from_world)}},
+  WriteJson({{"camera", CameraToJson(posed.camera)},
+             {"camera_from_world", PoseToJson(posed.camera_from_world)}},
             file);
 }
 

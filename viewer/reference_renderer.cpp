@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -76,8 +77,9 @@ PixelSum ShadePixel(const LightFieldModel& model, const RayScene& rays, const Vi
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
       const Eigen::Vector2d pixel(x - 0.5 + (i + 0.5) / n, y - 0.5 + (j + 0.5) / n);
-      const Eigen::Vector3d direction =
-          (view.world_from_camera * Unproject(view.camera, pixel)).normalized();
+      const std::optional<Eigen::Vector3d> in_camera = TryUnproject(view.camera, pixel);
+      if (!in_camera) continue;
+      const Eigen::Vector3d direction = (view.world_from_camera * *in_camera).normalized();
       const std::optional<RayHit> hit = rays.Intersect(view.eye, direction);
       if (!hit) continue;
       const Eigen::Vector3d weights(1 - hit->u - hit->v, hit->u, hit->v);
@@ -162,8 +164,9 @@ Image RenderSilhouette(const RayScene& rays, const Camera& camera, const Pose& c
   ParallelFor(0, camera.height, [&](int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < camera.width; ++x) {
-      const Eigen::Vector3d direction = world_from_camera * Unproject(camera, {x, y});
-      if (rays.Intersect(eye, direction)) mask.At<uint8_t>(x, y) = 255;
+      const std::optional<Eigen::Vector3d> direction = TryUnproject(camera, {x, y});
+      if (!direction) continue;
+      if (rays.Intersect(eye, world_from_camera * *direction)) mask.At<uint8_t>(x, y) = 255;
     }
   });
   return mask;

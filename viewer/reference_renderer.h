@@ -43,8 +43,9 @@ class ReferenceRenderer {
   ~ReferenceRenderer();
   ReferenceRenderer(ReferenceRenderer&&) noexcept;
   const LightFieldModel& model() const;
-  /// Parallel over rows; the bytes do not depend on the number of threads. Throws Error when the
-  /// camera or the options are out of range, or the lens model folds inside the picture.
+  /// Parallel over rows; the bytes do not depend on the number of threads. A ray at which
+  /// the lens model folds back sees nothing. Throws Error when the camera or the options are out of
+  /// range.
   Rendering Render(const Camera& camera, const Pose& camera_from_world,
                    const RenderOptions& options, Progress& progress) const;
 
@@ -53,8 +54,8 @@ class ReferenceRenderer {
   std::unique_ptr<State> state_;
 };
 
-/// 8-bit mask, one channel, 255 where the ray through a pixel's centre hits the mesh. Throws Error
-/// when the camera is invalid or the mesh has no triangle.
+/// 8-bit mask, one channel, 255 where the ray through a pixel's centre hits the mesh; 0 where the
+/// lens model folds back. Throws Error when the camera is invalid or the mesh has no triangle.
 Image RenderSilhouette(const TriangleMesh& mesh, const Camera& camera,
                        const Pose& camera_from_world);
 /// The same of a mesh prepared once for many cameras.

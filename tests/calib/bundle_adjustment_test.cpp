@@ -176,6 +176,11 @@ TEST(BundleAdjustment, CovarianceOfNothingIsLargeButFinite) {
   const Eigen::MatrixXd covariance = CovarianceFromInformation(half, 1);
   EXPECT_TRUE(covariance.allFinite());
   EXPECT_NEAR(covariance(0, 0), 0.25, 1e-12);
+  EXPECT_GE(covariance(1, 1), 1e11);  // an unknown of which nothing is said is not certain
+  // Two unknowns of which only the sum is said.
+  const Eigen::MatrixXd sum = CovarianceFromInformation(Eigen::MatrixXd::Ones(2, 2), 0.01);
+  EXPECT_NEAR(sum.sum(), 0.01, 1e-4);
+  EXPECT_GE(sum(0, 0), 1e9);
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ CalibResult SomeResult() {
   CalibResult result;
   result.cameras["photo"] = SmallCamera();
   result.cameras["photo"].k3 = 1.0 / 3;
+  result.lens_terms["photo"] = 4;
   result.reprojection_rms_px = 0.07;
   result.corner_noise_px = 0.05;
   for (int i = 0; i < 2; ++i) {
@@ -83,6 +84,7 @@ TEST_F(CalibFiles, RoundTrip) {
   EXPECT_EQ(a.p2, b.p2);
   EXPECT_EQ(loaded.reprojection_rms_px, result.reprojection_rms_px);
   EXPECT_EQ(loaded.corner_noise_px, result.corner_noise_px);
+  EXPECT_EQ(loaded.lens_terms, result.lens_terms);
   for (const auto& [found, expected] :
        {std::pair(&loaded.photos, &result.photos), std::pair(&loaded.scans, &result.scans),
         std::pair(&loaded.placements, &result.placements)}) {
@@ -126,7 +128,8 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
   for (const auto& [from, to] :
        {std::pair("\"width\": 480", "\"width\": 0"), std::pair("\"width\": 480", "\"width\": 1e30"),
         std::pair("522.0", "-522.0"), std::pair("522.0", "null"), std::pair("522.0", "1e999"),
-        std::pair("\"k3\"", "\"k4\""),
+        std::pair("\"k3\"", "\"k4\""), std::pair("\"photo\": 4", "\"photo\": 6"),
+        std::pair("\"photo\": 4", "\"other\": 4"),
         std::pair("\"corner_noise_px\": 0", "\"corner_noise_px\": -1")}) {
     refuses("cameras.json", cameras, changed(cameras, from, to));
   }
@@ -165,6 +168,29 @@ TEST(CalibFromCapture, TakesWhatIsGivenAndRefusesGaps) {
   EXPECT_THROW(CalibFromCapture(no_intrinsics), Error);
 }
 
+// A capture that brings its geometry and has a board as well: what is given wins, everywhere.
+TEST_F(CalibFiles, GivenGeometryWinsOverABoardAndOverASavedCalibration) {
+  Capture capture;
+  capture.folder = folder_;
+  capture.board = "board.json";  // not even read
+  capture.mesh = "mesh.ply";
+  capture.cameras["photo"] = {480, 360, SmallCamera()};
+  Photo photo;
+  photo.id = "a", photo.file = "a.png", photo.camera = "photo";
+  photo.camera_from_world = PosesAround(2)[1];
+  capture.photos.push_back(photo);
+  SaveCalib(SomeResult(), folder_ / "work");
+  for (const CalibResult& result : {CalibrateCapture(capture, {}, SilentProgress()),
+                                    CalibOfCapture(capture, folder_ / "work")}) {
+    ASSERT_EQ(result.photos.size(), 1u);
+    EXPECT_EQ(result.photos[0].camera_from_world.translation, PosesAround(2)[1].translation);
+  }
+  capture.mesh.clear();
+  EXPECT_EQ(CalibOfCapture(capture, folder_ / "work").photos.size(), 2u);
+  capture.board.clear();
+  EXPECT_THROW(CalibrateCapture(capture, {}, SilentProgress()), Error);
+}
+
 struct CommandResult {
   int status = -1;
   std::string output;
@@ -199,7 +225,7 @@ TEST_F(CalibFiles, CommandCalibratesACaptureFolder) {
   EXPECT_EQ(result.photos.size(), 4u);
   ASSERT_EQ(result.rejected.size(), 1u);
   EXPECT_EQ(result.rejected[0].id, "gone");
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "work/calib/pictures/photo_0.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "work/calib/pictures/photo-photo_0.png"));
 
   capture.photos.resize(1);
   SaveCapture(capture);

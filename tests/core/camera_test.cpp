@@ -94,6 +94,55 @@ TEST(Camera, ProjectInvertsUnproject) {
   }
 }
 
+// Pixels a little inside and outside the fold at 2/3: an answer, where there is one, is as near as
+// anywhere else.
+TEST(Camera, RoundTripHoldsBesideAFold) {
+  constexpr double kRoundTrip_px_abs = 1e-9;
+  const Camera lens = Lens(-1.0 / 3, 0, 0, 0, 0);
+  int answers = 0, refusals = 0;
+  for (int turn = 0; turn < 40; ++turn) {
+    const Eigen::Vector2d out(std::cos(0.16 * turn), std::sin(0.16 * turn));
+    for (double off_px = 1e-10; off_px < 1e-2; off_px *= 1.7) {
+      for (const double side : {-1.0, 1.0}) {
+        const Eigen::Vector2d distorted = (2.0 / 3 + side * off_px / lens.fx) * out;
+        const Eigen::Vector2d pixel(lens.fx * distorted.x() + lens.cx,
+                                    lens.fy * distorted.y() + lens.cy);
+        const auto direction = TryUnproject(lens, pixel);
+        if (!direction) {
+          ++refusals;
+          continue;
+        }
+        ++answers;
+        const auto back = Project(lens, *direction);
+        if (!back) continue;  // at the fold itself, rounding decides on which side it lies
+        EXPECT_LT((*back - pixel).norm(), kRoundTrip_px_abs) << off_px * side;
+      }
+    }
+  }
+  EXPECT_GT(answers, 100);
+  EXPECT_GT(refusals, 100);
+}
+
+// The largest sensor, at focal lengths from a fisheye's to a telescope's, and pixels that are not
+// square.
+TEST(Camera, RoundTripHoldsOnTheLargestSensor) {
+  constexpr double kRoundTrip_px_abs = 1e-9;
+  Camera lens = Lens(-0.02, 0.004, 0, 1e-3, -5e-4);
+  lens.width = lens.height = 65536;
+  lens.cx = lens.cy = 32767.5;
+  for (const double fx : {3e4, 1e6}) {
+    lens.fx = fx;
+    lens.fy = 5 * fx;
+    for (double y = -0.5; y < 65536; y += 8191) {
+      for (double x = -0.5; x < 65536; x += 8191) {
+        const auto pixel = Project(lens, Unproject(lens, {x, y}));
+        ASSERT_TRUE(pixel);
+        EXPECT_LT((*pixel - Eigen::Vector2d(x, y)).norm(), kRoundTrip_px_abs);
+      }
+    }
+  }
+}
+
 TEST(Camera, PointsNotInFrontHaveNoPixel) {
   const Camera camera = Pinhole();
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
@@ -113,6 +162,7 @@ TEST(Camera, LensThatFoldsBackShowsNothingBeyondTheFold) {
   EXPECT_FALSE(Project(folded, {1.01, 0, 1}));
   EXPECT_FALSE(Project(folded, {-5, 0, 1}));
   // Beyond the largest distorted radius, 2/3, no direction exists.
+  EXPECT_FALSE(TryUnproject(folded, {folded.cx + 0.7 * folded.fx, folded.cy}));
   ExpectError([&] { Unproject(folded, {folded.cx + 0.7 * folded.fx, folded.cy}); }, "folds");
   const Eigen::Vector3d edge = Unproject(folded, {folded.cx + 0.6 * folded.fx, folded.cy});
   EXPECT_LT(edge.x() / edge.z(), 1);

@@ -118,6 +118,8 @@ TEST(TriangleMesh, AreaVolumeAndNormalsAreExact) {
     EXPECT_GT(normal.dot(mesh.vertices[mesh.triangles[t][0]]), 0);
   }
   EXPECT_NEAR(area, 4 * std::sqrt(3.0), 1e-13);
+  EXPECT_NEAR(TotalArea(mesh), 4 * std::sqrt(3.0), 1e-13);
+  EXPECT_EQ(TotalArea({}), 0);
   const std::vector<Eigen::Vector3d> normals = ComputeVertexNormals(mesh);
   for (size_t v = 0; v < normals.size(); ++v) {
     EXPECT_LT((normals[v] - mesh.vertices[v]).norm(), 1e-14);

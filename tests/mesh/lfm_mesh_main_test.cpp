@@ -51,11 +51,15 @@ struct Workspace {
 
 TEST(MeshCommand, MakesTheFilesAndSaysWhatItDid) {
   const Workspace workspace;
-  const CommandOutcome outcome = workspace.Run({"--poisson-depth", "6", "--triangle-count", "600"});
+  const CommandOutcome outcome =
+      workspace.Run({"--poisson-depth", "6", "--triangle-count", "600", "--pictures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const MeshResult result = LoadMesh(workspace.work / "mesh");
   EXPECT_TRUE(test::IsClosedManifold(result.surface));
   EXPECT_NEAR(static_cast<double>(result.mesh.triangles.size()), 600, 15);
+  for (const char* name : {"surface_-60.png", "confidence_60.png", "mesh_180.png"}) {
+    EXPECT_EQ(ReadImage(workspace.work / "mesh" / "pictures" / name).height(), 720) << name;
+  }
 }
 
 TEST(MeshCommand, CaptureThatBringsItsMesh) {

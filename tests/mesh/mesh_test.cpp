@@ -75,6 +75,27 @@ TEST(BuildMesh, OtherTargets) {
   EXPECT_NEAR(mean_samples, 314, 0.05 * 314);
 }
 
+// From so near that, if test photographs had a say, the object's top would lie beyond the cameras.
+TEST(BuildMesh, TestPhotographsHaveNoSay) {
+  const PointCloud cloud = Capture(10000);
+  const auto build = [&](double test_distance_mm) {
+    CalibResult calib = test::MakeCalib(8, 300, 30);
+    for (PosedImage photo : test::MakeCalib(40, test_distance_mm, 30).photos) {
+      photo.split = PhotoSplit::kTest;
+      calib.photos.push_back(photo);
+    }
+    MeshOptions options = Coarse();
+    options.poisson_depth = 5;
+    return BuildMesh(cloud, calib, options, SilentProgress());
+  };
+  const MeshResult far = build(310), near = build(32);
+  EXPECT_TRUE(far.surface.vertices == near.surface.vertices);
+  EXPECT_TRUE(far.surface.triangles == near.surface.triangles);
+  EXPECT_TRUE(far.mesh.vertices == near.mesh.vertices);
+  EXPECT_TRUE(far.mesh.triangles == near.mesh.triangles);
+  EXPECT_EQ(far.pixel_mm, near.pixel_mm);
+}
+
 TEST(BuildMesh, SameBytesForEveryNumberOfThreads) {
   const PointCloud cloud = Capture(20000);
   SetThreadCount(1);

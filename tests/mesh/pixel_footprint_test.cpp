@@ -43,6 +43,10 @@ TEST(PixelFootprint, Errors) {
   const TriangleMesh sphere = test::MakeSphere(10, 3);
   EXPECT_NE(test::ErrorOf([&] { Footprint(sphere, {}); }).find("no calibrated photograph"),
             std::string::npos);
+  CalibResult only_tests = test::MakeCalib(2, 400, 0);
+  for (PosedImage& photo : only_tests.photos) photo.split = PhotoSplit::kTest;
+  EXPECT_NE(test::ErrorOf([&] { Footprint(sphere, only_tests); }).find("for training"),
+            std::string::npos);
   EXPECT_NE(test::ErrorOf([&] {
               Footprint(test::MakeSphere(10, 3, {5000, 0, 0}), test::MakeCalib(10, 400, 0));
             }).find("sees"),

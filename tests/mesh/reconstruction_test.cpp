@@ -5,7 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "core/error.h"
+#include "core/progress.h"
 #include "mesh/cleaning.h"
 #include "mesh/surface_distance.h"
 #include "tests/mesh/test_shapes.h"
@@ -124,6 +129,58 @@ TEST(Reconstruction, FinerDepthFinerMesh) {
   const size_t fine = Reconstruct(cloud, 6).triangles.size();
   EXPECT_GT(fine, 3 * coarse);
   EXPECT_LT(fine, 6 * coarse);
+}
+
+class Recorder : public Progress {
+ public:
+  explicit Recorder(int interrupt_at = 1 << 20) : interrupt_at_(interrupt_at) {}
+  void Start(std::string_view, int64_t total) override { total_ = total; }
+  void Advance(int64_t steps) override {
+    if (++calls_ >= interrupt_at_) throw Interrupted();
+    done_ += steps;
+  }
+  void Note(std::string_view line) override { notes.emplace_back(line); }
+  bool Complete() const { return done_ == total_; }
+
+  std::vector<std::string> notes;
+
+ private:
+  int interrupt_at_, calls_ = 0;
+  int64_t total_ = 0, done_ = 0;
+};
+
+// A single sheet high above the platform: Poisson leaves it open at the cube's walls, again and
+// again.
+PointCloud Sheet() {
+  PointCloud sheet;
+  for (int i = 0; i < 1600; ++i) {
+    sheet.points.emplace_back(i % 40 - 20, i / 40 - 20, 40);
+    sheet.normals.emplace_back(0, 0, 1);
+    sheet.confidence.push_back(1);
+  }
+  return sheet;
+}
+
+TEST(Reconstruction, EveryAttemptIsNoted) {
+  Recorder progress;
+  EXPECT_THROW(ReconstructSurface(Sheet(), 1, 5, progress), Error);
+  ASSERT_EQ(progress.notes.size(), 5u);
+  EXPECT_NE(progress.notes[0].find("attempt 1 of 6"), std::string::npos) << progress.notes[0];
+  EXPECT_NE(progress.notes[4].find("attempt 5 of 6"), std::string::npos) << progress.notes[4];
+}
+
+TEST(Reconstruction, IsInterruptedBetweenAttempts) {
+  Recorder progress(2);
+  EXPECT_THROW(ReconstructSurface(Sheet(), 1, 5, progress), Interrupted);
+  EXPECT_EQ(progress.notes.size(), 2u);
+}
+
+TEST(Reconstruction, CountsToTheEndWhateverTheAttemptsWere) {
+  Recorder progress;
+  const CleanCloud clean =
+      CleanPoints(test::MeasureCloud(test::MakeSphere(30, 4, {0, 0, 30}), 15000), {});
+  ReconstructSurface(clean.cloud, clean.spacing_mm, 5, progress);
+  EXPECT_TRUE(progress.Complete());
 }
 
 TEST(Reconstruction, NoPointsIsAnError) {

@@ -109,13 +109,14 @@ TEST(Impute, FillsGapsOfFewViewsBySeparableShade) {
   EXPECT_LT((result - truth).cwiseAbs().maxCoeff(), 0.005);
 }
 
-TEST(Impute, UsesMeansWhereARowOrAViewIsUnknown) {
+TEST(Impute, LeavesARowOfWhichNothingIsKnownAtZeroAndGivesAViewTheMeans) {
   Eigen::MatrixXf values(6, 7);
   for (int v = 0; v < 7; ++v) values.col(v) << 0.1F, 0.2F, 0.3F, 0.5F, 0.6F, 0.7F;
   PartialMatrix matrix{values, Kinds::Constant(6, 7, Knowledge::kData)};
   matrix.knowledge.row(4).setConstant(Knowledge::kMissing);  // the second sample's green
   const Eigen::MatrixXf row = Impute(matrix, 2);
-  for (int v = 0; v < 7; ++v) EXPECT_FLOAT_EQ(row(4, v), 0.2F);
+  for (int v = 0; v < 7; ++v) EXPECT_EQ(row(4, v), 0);
+  for (int r : {0, 1, 2, 3, 5}) EXPECT_EQ(row.row(r), values.row(r));
   matrix.knowledge.setConstant(Knowledge::kData);
   matrix.knowledge.col(2).setConstant(Knowledge::kMissing);
   EXPECT_LT((Impute(matrix, 2) - values).cwiseAbs().maxCoeff(), 1e-6);

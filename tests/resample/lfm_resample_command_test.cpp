@@ -22,6 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kLfmResample = std::string(LFM_BIN_DIR) + "/lfm-resample";
 
+double MeanViews(const LightField& field) {
+  double views = 0;
+  for (int t = 0; t < field.triangle_count(); ++t) {
+    views += static_cast<double>(field.Patch(t).photos.size());
+  }
+  return views / field.triangle_count();
+}
+
 class LfmResampleCommand : public testing::Test {
  protected:
   /// A capture of four photographs of a sphere on disk, with its calibration and mesh.
@@ -68,13 +76,21 @@ class LfmResampleCommand : public testing::Test {
 
 TEST_F(LfmResampleCommand, WritesTheLightFieldAndOnRequestTheDenseMatrix) {
   const fs::path dense = scratch_.folder / "dense.bin";
-  const CommandOutcome outcome = Resample({"--quiet", "--dense", dense});
+  const CommandOutcome outcome = Resample({"--quiet", "--dense", dense, "--pictures"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const LightField field = LightField::Open(file_);
   EXPECT_EQ(field.triangle_count(), 80);
   EXPECT_EQ(field.grid(), 8);
-  EXPECT_GT(field.MeanVisibleViews(), 0.5);
+  EXPECT_GT(MeanViews(field), 0.5);
   EXPECT_EQ(ReadDenseBlock(dense, 7, 1), DenseBlock(field, 7, 1));
+  int coverage = 0, sheets = 0;
+  for (const auto& entry : fs::directory_iterator(work_ / "resample" / "pictures")) {
+    const std::string name = entry.path().filename().string();
+    coverage += name.starts_with("coverage_") ? 1 : 0;
+    sheets += name.starts_with("triangle_") ? 1 : 0;
+  }
+  EXPECT_EQ(coverage, 3);
+  EXPECT_EQ(sheets, 8);
 }
 
 TEST_F(LfmResampleCommand, TakesTheGeometryThatACaptureBrings) {
@@ -89,7 +105,7 @@ TEST_F(LfmResampleCommand, TakesTheGeometryThatACaptureBrings) {
   fs::remove_all(work_);
   const CommandOutcome outcome = Resample({"--quiet"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_GT(LightField::Open(file_).MeanVisibleViews(), 0.3);
+  EXPECT_GT(MeanViews(LightField::Open(file_)), 0.3);
 }
 
 TEST_F(LfmResampleCommand, NamesWhatIsMissingOrDamaged) {

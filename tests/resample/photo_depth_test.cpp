@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/pixel_directions.h"
 #include "test_scenes.h"
 
 namespace lfm {
@@ -20,24 +21,21 @@ Camera PlainCamera(int width, int height, double focal_px) {
   return camera;
 }
 
-TEST(PixelRays, GoThroughPixelCentres) {
-  const Camera camera = test::TestCamera(64, 48, 90);
-  const PixelRays rays = ComputePixelRays(camera);
-  for (int y = 0; y < 48; y += 5) {
-    for (int x = 0; x < 64; x += 5) {
-      const auto pixel = Project(camera, rays.directions[y * 64 + x].cast<double>());
-      ASSERT_TRUE(pixel);
-      EXPECT_LT((*pixel - Eigen::Vector2d(x, y)).norm(), 1e-4);
-    }
-  }
+TEST(RenderDepth, PixelsWhereTheLensFoldsSeeNothing) {
+  Camera camera = test::TestCamera(160, 120, 100);
+  camera.k1 = -0.5, camera.k2 = camera.k3 = camera.p1 = camera.p2 = 0;
+  const Pose pose = LookAt({0, -60, 0}, {0, 0, 0}, {0, 0, 1});
+  const TriangleMesh sphere = test::Sphere({0, 0, 0}, 58, 3);
+  const DepthMap map = RenderDepth(sphere, RayScene(sphere), camera, PixelDirections(camera), pose);
+  EXPECT_TRUE(std::isinf(map.At(0, 0)));
+  EXPECT_NEAR(map.At(80, 60), 2, 0.5);
 }
 
 TEST(RenderDepth, IsTheCamerasZOfASphere) {
   const Camera camera = test::TestCamera(160, 120, 200);
   const Pose pose = LookAt({0, -200, 30}, {0, 0, 0}, {0, 0, 1});
   const TriangleMesh sphere = test::Sphere({0, 0, 0}, 40, 5);
-  const DepthMap map =
-      RenderDepth(sphere, RayScene(sphere), camera, ComputePixelRays(camera), pose);
+  const DepthMap map = RenderDepth(sphere, RayScene(sphere), camera, PixelDirections(camera), pose);
   const Eigen::Vector3d center = pose * Eigen::Vector3d(0, 0, 0);
   int hits = 0;
   for (int y = 0; y < camera.height; ++y) {

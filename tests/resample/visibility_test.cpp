@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/pixel_directions.h"
 #include "test_scenes.h"
 
 namespace lfm {
@@ -36,7 +37,7 @@ double FirstHit(const TriangleMesh& mesh, const Eigen::Vector3d& origin,
 PhotoSight SightOf(const TriangleMesh& surface, const Camera& camera, const Pose& pose,
                    double margin_px) {
   PhotoSight sight{camera, pose, {}, {}};
-  sight.depth = RenderDepth(surface, RayScene(surface), camera, ComputePixelRays(camera), pose);
+  sight.depth = RenderDepth(surface, RayScene(surface), camera, PixelDirections(camera), pose);
   sight.usable = FindUsablePixels(sight.depth, camera, margin_px);
   return sight;
 }

@@ -26,7 +26,6 @@ PosedRange PlateScan(const Camera& camera, const std::vector<Eigen::Vector2d>& r
     scan.map.depth.push_back(hit ? hit->distance : 0);
     scan.map.normal.push_back(
         (scan.camera_from_world.rotation * Eigen::Vector3d::UnitZ()).cast<float>());
-    scan.map.sigma_mm.push_back(0.02F);
     scan.map.confidence.push_back(hit ? 0.9F : 0.0F);
   }
   return scan;
@@ -53,7 +52,7 @@ int CountCleared(const PosedRange& scan, int x0, int y0, int side) {
 
 TEST(Consensus, OthersSeeThroughAFloatingPatchAndOutvoteAWrongSurface) {
   const Camera camera = KnownRig(true).camera;
-  const std::vector<Eigen::Vector2d> rays = PixelRays(camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
   std::vector<PosedRange> scans;
   for (double degrees : {0.0, 45.0, 90.0}) scans.push_back(PlateScan(camera, rays, degrees));
   Lift(scans[0], 100, 80, 12, 20);  // floats 20 mm in front
@@ -67,7 +66,7 @@ TEST(Consensus, OthersSeeThroughAFloatingPatchAndOutvoteAWrongSurface) {
 
 TEST(Consensus, WhatOnlyOneScanSawStaysAndSpecksGo) {
   const Camera camera = KnownRig(false).camera;
-  const std::vector<Eigen::Vector2d> rays = PixelRays(camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
   PosedRange lone = PlateScan(camera, rays, 0);
   for (size_t p = 0; p < rays.size(); ++p) {
     const int x = static_cast<int>(p) % camera.width, y = static_cast<int>(p) / camera.width;

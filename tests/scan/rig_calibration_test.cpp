@@ -157,24 +157,6 @@ TEST(RigCalibration, ATwentiethOfWrongPeriodsDoesNotMoveIt) {
   EXPECT_LT(found.used, static_cast<int>(0.97 * static_cast<double>(dirty.correspondences.size())));
 }
 
-TEST(RigCalibration, ThePlatesPosesAreRefinedByTheProjector) {
-  Noise noise;
-  noise.projector_px = 0.02;
-  noise.pose_rad = 4e-4;
-  noise.pose_mm = 0.15;
-  const std::vector<Pose> truth = TiltedPlacements();
-  const Scene scene = MakeScene(KnownRig(false), truth, noise);
-  const RigAdjustment found = Calibrate(scene);
-  double before = 0, after = 0;
-  for (size_t i = 0; i < truth.size(); ++i) {
-    const Eigen::Vector3d normal = truth[i].rotation.col(2);
-    before +=
-        std::acos(std::min(1.0, normal.dot(scene.placements[i].camera_from_world.rotation.col(2))));
-    after += std::acos(std::min(1.0, normal.dot(found.camera_from_world[i].rotation.col(2))));
-  }
-  EXPECT_LT(after, before);
-}
-
 TEST(RigCalibration, APlatformThatOnlyTurnsIsRefused) {
   std::vector<Pose> turned;
   for (double degrees : {0.0, 40.0, 80.0, 120.0, 160.0}) turned.push_back(TurnedPlatform(degrees));

@@ -178,7 +178,10 @@ TEST(Scan, AScanThatCannotBeReadIsSetAsideWithTheReason) {
       Image(10, 10, 1, PixelType::kUint8, ColorEncoding::kSrgb);
   studio.files.erase(studio.capture.scanner->placements[4].frames[0]);
   studio.calib.scans.pop_back();
-  studio.calib.rejected.push_back({"scan-3", "", "no tag found"});
+  // A photograph of the same id, set aside for a reason of its own.
+  studio.calib.rejected.push_back({"scan-3", "photos/scan-3.png", "blurred"});
+  studio.calib.rejected.push_back(
+      {"scan-3", studio.capture.scanner->scans[3].frames[0], "no tag found"});
   const ScanResult result = RunScan(studio);
   ASSERT_EQ(result.scans.size(), 1U);
   EXPECT_EQ(result.scans[0].id, "scan-0");
@@ -191,7 +194,29 @@ TEST(Scan, AScanThatCannotBeReadIsSetAsideWithTheReason) {
   EXPECT_LT(MedianDistanceToBall(result.points), 0.08);
 }
 
+TEST(Scan, PlacementOfAnotherSizeIsSetAsideWithTheReason) {
+  Studio studio = TheStudio();
+  for (const std::string& frame : studio.capture.scanner->placements[2].frames) {
+    studio.files[frame] = Image(120, 90, 1, PixelType::kUint8, ColorEncoding::kSrgb);
+  }
+  studio.capture.scanner->scans.resize(1);
+  const ScanResult result = RunScan(studio);
+  ASSERT_EQ(result.rejected.size(), 1U);
+  EXPECT_EQ(result.rejected[0].id, "placement-2");
+  EXPECT_NE(result.rejected[0].reason.find("120 x 90"), std::string::npos);
+}
+
 TEST(Scan, WhatCannotWorkIsAnErrorThatSaysWhy) {
+  // Roles without columns: said before a picture is read.
+  for (const char* kind : {"scan_roles", "placement_roles"}) {
+    Studio rows_only = TheStudio();
+    Scanner& scanner = *rows_only.capture.scanner;
+    (kind == std::string("scan_roles") ? scanner.scan_roles : scanner.placement_roles) = {
+        "white", "black", "row-gray-0", "row-gray-0-inverse"};
+    rows_only.files.clear();
+    EXPECT_NE(ErrorOf(rows_only).find(std::string(kind) + ": names no column"), std::string::npos);
+  }
+
   Studio no_scanner = TheStudio();
   no_scanner.capture.scanner.reset();
   EXPECT_NE(ErrorOf(no_scanner).find("no scanner"), std::string::npos);

@@ -92,7 +92,7 @@ TEST(Triangulate, NoDepthWhereRaysDoNotMeetInFront) {
 TEST(Triangulate, BallComesBackWithNormalsTowardsTheScanner) {
   const RigCalibration rig = KnownRig(true);
   const Pose pose = TurnedPlatform(30);
-  const std::vector<Eigen::Vector2d> rays = PixelRays(rig.camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
   const RangeMap map = Triangulate(rig, rays, ExactColumns(rig, pose, Ball), {});
   const Eigen::Vector3d center = pose * Eigen::Vector3d(0, 0, 50);
   int count = 0;
@@ -132,7 +132,7 @@ TEST(Triangulate, NothingFloatsBetweenBallAndPlate) {
     ++mixed;
   }
   ASSERT_GT(mixed, 40);
-  const std::vector<Eigen::Vector2d> rays = PixelRays(rig.camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
   const RangeMap map = Triangulate(rig, rays, decoded, {});
   int kept = 0;
   for (size_t p = 0; p < rays.size(); ++p) {
@@ -149,7 +149,7 @@ TEST(Triangulate, NothingFloatsBetweenBallAndPlate) {
 TEST(Triangulate, GrazingViewsAreDropped) {
   const RigCalibration rig = KnownRig(false);
   const Pose pose = TurnedPlatform(0);
-  const std::vector<Eigen::Vector2d> rays = PixelRays(rig.camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
   ScanOptions options;
   options.max_grazing_deg = 45;
   const RangeMap map = Triangulate(rig, rays, ExactColumns(rig, pose, Ball), options);
@@ -164,9 +164,44 @@ TEST(Triangulate, GrazingViewsAreDropped) {
   EXPECT_GT(count, 300);
 }
 
+TEST(Triangulate, PixelsWhereTheLensFoldsMeasureNothing) {
+  RigCalibration rig = KnownRig(false);
+  const Pose pose = TurnedPlatform(0);
+  DecodedPixels decoded = ExactColumns(rig, pose, HitPlate);
+  rig.camera.k1 = -2.4;
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
+  // What a scan of the plate decodes to through this lens; in the corners, anything.
+  int folded = 0;
+  for (size_t p = 0; p < rays.size(); ++p) {
+    decoded.column.position[p] = 100;
+    decoded.column.sigma[p] = 0.02F;
+    decoded.column.confidence[p] = 1;
+    folded += rays[p].allFinite() ? 0 : 1;
+    if (!rays[p].allFinite()) continue;
+    const Eigen::Vector3d direction = pose.Inverse().rotation * rays[p].homogeneous().normalized();
+    const auto hit = HitPlate(pose.Center(), direction);
+    if (!hit) continue;
+    const Eigen::Vector3d point = pose * (pose.Center() + hit->distance * direction);
+    const auto source = Project(rig.projector, rig.projector_from_camera * point);
+    if (source) decoded.column.position[p] = static_cast<float>(source->x());
+  }
+  ASSERT_GT(folded, 100);
+  const RangeMap map = Triangulate(rig, rays, decoded, {});
+  int measured = 0;
+  for (size_t p = 0; p < rays.size(); ++p) {
+    if (!rays[p].allFinite()) {
+      EXPECT_EQ(map.depth[p], 0);
+    } else if (map.depth[p] > 0) {
+      EXPECT_NEAR((pose.Inverse() * (map.depth[p] * rays[p].homogeneous())).z(), 0, 0.05);
+      ++measured;
+    }
+  }
+  EXPECT_GT(measured, 3000);
+}
+
 TEST(Triangulate, LonePixelsAndEmptyScansLeaveNothing) {
   const RigCalibration rig = KnownRig(false);
-  const std::vector<Eigen::Vector2d> rays = PixelRays(rig.camera);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
   DecodedPixels decoded = ExactColumns(rig, TurnedPlatform(0), HitPlate);
   for (size_t p = 0; p < rays.size(); ++p) {
     const bool lone = p % 7 == 0 && (p / decoded.width) % 7 == 0;

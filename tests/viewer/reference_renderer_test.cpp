@@ -190,6 +190,28 @@ TEST(ReferenceRenderer, SilhouetteIsTheProjectedSphere) {
   EXPECT_GT(inside, 1000);
 }
 
+// A sphere so near that it fills the picture, but for the corners, which the lens does not reach.
+TEST(ReferenceRenderer, RaysWhereTheLensFoldsSeeNothing) {
+  const TriangleMesh mesh = MakeSphere(kRadius, kCenter, 2);
+  Camera camera = TestCamera();
+  camera.k1 = -2.4, camera.k2 = camera.p1 = camera.p2 = 0;
+  const Pose pose = LookAt(kCenter + Eigen::Vector3d(90, 0, 0), kCenter, {0, 0, 1});
+  const ReferenceRenderer renderer(MakeModel(mesh, LinearRecipe(0)));
+  const Rendering rendering = renderer.Render(camera, pose, {}, SilentProgress());
+  const Image silhouette = RenderSilhouette(mesh, camera, pose);
+  int folded = 0;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const bool sees = TryUnproject(camera, Eigen::Vector2d(x, y)).has_value();
+      EXPECT_EQ(rendering.coverage.At<uint8_t>(x, y), sees ? 255 : 0) << x << ", " << y;
+      EXPECT_EQ(silhouette.At<uint8_t>(x, y), sees ? 255 : 0) << x << ", " << y;
+      folded += sees ? 0 : 1;
+    }
+  }
+  EXPECT_GT(folded, 100);
+  EXPECT_LT(folded, camera.width * camera.height / 2);
+}
+
 /// A square plate in front of a camera at the origin that looks along +z; its right edge is at
 /// pixel x = 40.25.
 LightFieldModel MakePlate(const Eigen::Vector3d& color) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "core/camera.h"
+#include "core/json_reader.h"
+
+namespace lfm {
+
+/// Whether a file must state all five lens terms, or may leave out those that are 0.
+enum class LensKeys { kRequired, kOptional };
+
+/// {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}; with CameraToJson "width" and "height"
+/// too. Numbers round-trip.
+nlohmann::json IntrinsicsToJson(const Camera& camera);
+nlohmann::json CameraToJson(const Camera& camera);
+
+/// The inverses. Throw Error, naming file and place, for missing, unknown and non-finite values,
+/// focal lengths that are not positive, and sizes outside [1, max_side].
+Camera IntrinsicsFromJson(JsonReader& reader, int width, int height, LensKeys keys);
+Camera CameraFromJson(JsonReader& reader, int max_side, LensKeys keys);
+
+}  // namespace lfm
