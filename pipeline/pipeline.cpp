@@ -94,6 +94,7 @@ json CalibFigures(const Capture& capture, const CalibResult& result) {
           {"placements_rejected", count(scanner.placements)},
           {"reprojection_rms_px", result.reprojection_rms_px},
           {"corner_noise_px", result.corner_noise_px},
+          {"lens_terms", result.lens_terms},
           {"rejected", RejectedToJson(rejected)}};
 }
 

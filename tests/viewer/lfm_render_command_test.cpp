@@ -222,7 +222,7 @@ TEST_F(LfmRenderCommand, AFullDiskLeavesNoPicture) {
 
 TEST_F(LfmRenderCommand, InterruptedItLeavesNoPicture) {
   CommandSettings settings;
-  settings.interrupt_after_seconds = 0.5;
+  settings.signal_after_seconds = 0.5;
   const CommandOutcome outcome =
       Run({model_, out_, "--size", "1000x8000", "--supersample", "16"}, settings);
   EXPECT_EQ(outcome.status, 130) << outcome.err;
