@@ -26,7 +26,7 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
         if (i + j == last - 1) {  // on the hypotenuse: the plane through the three samples
           w = di + dj == 0 ? 1 - (x - i) - (y - j) : di + dj == 2 ? 0 : di ? x - i : y - j;
         }
-        if (w == 0) continue;  // beyond the hypotenuse there may be no texel
+        if (i + j + di + dj > last) continue;  // beyond the hypotenuse there may be no texel
         const int sign = place.flipped ? -1 : 1;
         const int column = place.origin.x() + sign * static_cast<int>(i + di);
         const int row = place.origin.y() + sign * static_cast<int>(j + dj);
