@@ -43,7 +43,7 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
     const Eigen::Vector3d direction = model.vertex_frames[vertex].transpose() * to_eye;
     const Eigen::Vector2d square =
         SquareFromDirection(model.direction_map, direction) * (model.grid - 1);
-    const Eigen::Vector2d cell = square.array().floor().min(model.grid - 2.0);
+    const Eigen::Vector2d cell = square.array().floor().max(0.0).min(model.grid - 2.0);
     const auto tile = model.ViewTile(vertex);
     for (int k = 0; k < std::min(terms, model.vertex_terms[vertex]); ++k) {
       const MapRange& surface_range = model.surface_ranges[k * vertices + vertex];
