@@ -19,6 +19,9 @@ endif()
 if(LFM_SANITIZE)
   # GCC takes what the sanitizers add for reads of uninitialised values.
   target_compile_options(lfm_flags INTERFACE -Wno-maybe-uninitialized)
+  # Under the address sanitizer Eigen would lay out aligned memory otherwise than the PCL and Ceres
+  # that hand it to us and free what we hand to them.
+  target_compile_definitions(lfm_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_compile_options(lfm_flags INTERFACE -fsanitize=${LFM_SANITIZE} -fno-omit-frame-pointer
                                              -fno-sanitize-recover=undefined)
   target_link_options(lfm_flags INTERFACE -fsanitize=${LFM_SANITIZE})
