@@ -186,8 +186,12 @@ ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& c
   const std::vector<Eigen::Vector2d> rays = PixelRays(camera->second);
 
   const auto sequence = [&](const std::vector<std::string>& roles) {
-    return SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
+    PatternSequence read =
+        SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
+    RequireDecodable(read);
+    return read;
   };
+  sequence(scanner.scan_roles);  // what cannot be read is said before any picture is loaded
   progress.Start("decode placements",
                  static_cast<int64_t>(scanner.placements.size() * scanner.placement_roles.size()));
   ScanResult result;

@@ -63,8 +63,8 @@ struct ScanOptions {
 
 /// Calibrates the rig from the tilted placements (and checks that they can: Error otherwise, never
 /// a guess), decodes every scan, triangulates, and brings all points into the platform frame.
-/// A scan with missing or unreadable frames is set aside with the reason; Error when none is left
-/// or no point survives.
+/// A scan with missing or unreadable frames is set aside with the reason; Error when none is left,
+/// no point survives, or the patterns are none that Decode reads (before any picture is loaded).
 ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& calib,
                 const ImageLoader& load_image, const ScanOptions& options, Progress& progress);
 
