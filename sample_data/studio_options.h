@@ -4,6 +4,8 @@
 #include <string>
 
 #include "core/options.h"
+#include "sample_data/trouble.h"
+#include "scan/patterns.h"
 
 namespace lfm {
 
@@ -19,10 +21,13 @@ struct StudioOptions {
   int scans = 18, placements = 5;
   int scan_width = 640, scan_height = 480;
   int projector_width = 1024, projector_height = 768;
+  PatternScheme patterns = PatternScheme::kGrayPhase;
   int phase_steps = 8;
+  int stripe_width_px = 12, stripe_step_px = 4;
   double rig_low_deg = 15, rig_high_deg = 48;
   double edge_mm = 0.55;
   int jpeg_quality = 0;
+  Trouble trouble;
 
   void Declare(OptionVisitor& v) {
     v.Choice({"scene", "The object that stands on the platform."}, {"bust"}, scene);
@@ -45,12 +50,22 @@ struct StudioOptions {
               projector_width);
     v.Integer({"projector-height", "Height of the projector's picture.", "px", 16, 8192},
               projector_height);
+    v.Enumeration({"patterns",
+                   "What scans project: Gray code and phase shift, Gray code alone, phase shifts "
+                   "of several periods, or a moving stripe."},
+                  {"gray-phase", "gray", "multi-phase", "stripe"}, patterns);
+    v.Integer({"phase-steps", "Steps of every phase shift.", "", 3, 256}, phase_steps);
+    v.Integer({"stripe-width", "Width of the moving stripe at half its height.", "px", 1, 4096},
+              stripe_width_px);
+    v.Integer({"stripe-step", "Way of the stripe from one frame to the next.", "px", 1, 4096},
+              stripe_step_px);
     v.Number(
         {"edge", "Length of the object's edges; light is baked at its vertices.", "mm", 0.1, 10},
         edge_mm);
     v.Integer({"jpeg-quality", "Write JPEG pictures of this quality instead of PNG; 0 means PNG.",
                "", 0, 100},
               jpeg_quality);
+    trouble.Declare(v);
   }
 };
 

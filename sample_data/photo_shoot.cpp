@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sample_data/photo_shoot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sample_data/occluder.h"
+#include "sample_data/random.h"
+
+namespace lfm {
+namespace {
+
+constexpr uint64_t kOccluderStream = 34;
+
+// The mean of the exposure's pinhole pictures.
+Image AverageExposure(const PhotoShoot& shoot, const std::vector<ExposureSample>& samples,
+                      const std::optional<Occluder>& occluder) {
+  Image sum;
+  for (const ExposureSample& sample : samples) {
+    const PixelRays rays = shoot.rays.Shifted(sample.shift_x, sample.shift_y);
+    RenderedPhoto one = shoot.render(rays, sample.camera_from_world);
+    if (occluder) {
+      CoverWithOccluder(*occluder, shoot.lighting, rays, sample.camera_from_world, one);
+    }
+    if (sum.empty()) {
+      sum = std::move(one.radiance);
+      continue;
+    }
+    float* total = sum.Data<float>();
+    const float* values = one.radiance.Data<float>();
+    for (size_t i = 0; i < sum.size(); ++i) total[i] += values[i];
+  }
+  const float share = 1 / static_cast<float>(samples.size());
+  for (size_t i = 0; i < sum.size(); ++i) sum.Data<float>()[i] *= share;
+  return sum;
+}
+
+// Exposure, white balance and vignetting, beyond the nominal exposure.
+void ApplyConditions(const PhotoShoot& shoot, const PhotoConditions& conditions, int y,
+                     std::vector<float>& row) {
+  const auto factor = static_cast<float>(std::exp2(conditions.exposure_stops));
+  for (size_t x = 0; x < row.size() / 3; ++x) {
+    const auto gain = static_cast<float>(VignettingGain(
+        shoot.rays.camera(), shoot.trouble.vignetting_stops, static_cast<double>(x), y));
+    for (int c = 0; c < 3; ++c) row[3 * x + c] *= factor * gain * conditions.gains[c];
+  }
+}
+
+Image MakePicture(int width, int height, PhotoFormat format) {
+  switch (format) {
+    case PhotoFormat::kPng16:
+      return Image(width, height, 3, PixelType::kUint16, ColorEncoding::kLinear);
+    case PhotoFormat::kExr:
+      return Image(width, height, 3, PixelType::kFloat32, ColorEncoding::kLinear);
+    case PhotoFormat::kPng8:
+    case PhotoFormat::kJpeg:
+      break;
+  }
+  return Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+}
+
+void ExposePictureRow(const PhotoShoot& shoot, const std::vector<float>& row, uint64_t index, int y,
+                      Image& picture) {
+  const int count = static_cast<int>(row.size());
+  const auto line = static_cast<uint64_t>(y);
+  switch (picture.type()) {
+    case PixelType::kUint8:
+      ExposeRow(shoot.sensor, row.data(), count, shoot.seed, index, line,
+                &picture.At<uint8_t>(0, y));
+      return;
+    case PixelType::kFloat32:
+      ExposeRowLinear(shoot.sensor, row.data(), count, shoot.seed, index, line,
+                      &picture.At<float>(0, y));
+      return;
+    case PixelType::kUint16:
+      break;
+  }
+  std::vector<float> values(row.size());
+  ExposeRowLinear(shoot.sensor, row.data(), count, shoot.seed, index, line, values.data());
+  uint16_t* out = &picture.At<uint16_t>(0, y);
+  for (size_t i = 0; i < values.size(); ++i) {
+    out[i] = static_cast<uint16_t>(std::lround(std::max(0.0f, values[i]) * 65535));
+  }
+}
+
+}  // namespace
+
+TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from_world,
+                     PhotoSplit split, const PhotoConditions& conditions) {
+  std::optional<Occluder> occluder;
+  if (conditions.occluded) {
+    RandomStream random(shoot.seed, kOccluderStream, static_cast<uint64_t>(index));
+    occluder = MakeOccluder(shoot.trouble.occluder, shoot.rays.camera(), camera_from_world,
+                            shoot.center, random);
+  }
+  RenderedPhoto sharp = shoot.render(shoot.rays, camera_from_world);
+  const int width = sharp.radiance.width(), height = sharp.radiance.height();
+  TakenPhoto taken;
+  if (split == PhotoSplit::kTest) {
+    taken.clean = Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+    const float* in = sharp.radiance.Data<float>();
+    uint8_t* out = taken.clean.Data<uint8_t>();
+    for (size_t i = 0; i < taken.clean.size(); ++i) out[i] = EncodeSrgb8(shoot.exposure * in[i]);
+  }
+  if (occluder) {
+    CoverWithOccluder(*occluder, shoot.lighting, shoot.rays, camera_from_world, sharp);
+  }
+  taken.mask = std::move(sharp.mask);
+
+  const double focus_depth_mm =
+      std::max(1.0, (camera_from_world * shoot.center).z() + shoot.trouble.focus_error_mm);
+  const std::vector<ExposureSample> samples =
+      ExposureSamples(camera_from_world, conditions.travel_mm, shoot.trouble.aperture_mm,
+                      focus_depth_mm, shoot.trouble.blur_samples);
+  const Image radiance =
+      samples.size() == 1 ? std::move(sharp.radiance) : AverageExposure(shoot, samples, occluder);
+  const bool plain = conditions.exposure_stops == 0 && shoot.trouble.vignetting_stops == 0 &&
+                     conditions.gains == Eigen::Vector3f(1, 1, 1);
+  taken.picture = MakePicture(width, height, shoot.trouble.format);
+  std::vector<float> row(static_cast<size_t>(width) * 3);
+  for (int y = 0; y < height; ++y) {
+    const float* in = &radiance.At<float>(0, y);
+    for (size_t i = 0; i < row.size(); ++i) row[i] = shoot.exposure * in[i];
+    if (!plain) ApplyConditions(shoot, conditions, y, row);
+    ExposePictureRow(shoot, row, static_cast<uint64_t>(index), y, taken.picture);
+  }
+  return taken;
+}
+
+}  // namespace lfm
