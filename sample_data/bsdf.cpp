@@ -31,8 +31,7 @@ float LobeShare(float a, float b) {
 
 V3f CosineDirection(float u1, float u2) {
   const float radius = std::sqrt(u1), angle = 2 * kPi * u2;
-  return {radius * std::cos(angle), radius * std::sin(angle),
-          std::sqrt(std::max(1e-9f, 1 - u1))};
+  return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(1e-9f, 1 - u1))};
 }
 
 V3f HemisphereDirection(float u1, float u2) {
@@ -106,8 +105,7 @@ float CoatAlbedo(const Material& m, float c) {
   return DielectricAlbedoTable().At(m.ior, std::sqrt(AlphaU(m) * AlphaV(m)), c);
 }
 float CoatMean(const Material& m) {
-  return DielectricAlbedoTable().Mean(m.ior,
-                                      SmoothCoat(m) ? 0 : std::sqrt(AlphaU(m) * AlphaV(m)));
+  return DielectricAlbedoTable().Mean(m.ior, SmoothCoat(m) ? 0 : std::sqrt(AlphaU(m) * AlphaV(m)));
 }
 
 float PlasticShare(const Material& m, float coat_albedo) {
@@ -238,9 +236,9 @@ BsdfSample SampleBsdf(const Material& material, const V3f& o, float u_lobe, floa
 }
 
 bool IsDelta(const Material& material) {
-  return material.kind == MaterialKind::kGlass        ? GlassIsClear(material)
+  return material.kind == MaterialKind::kGlass       ? GlassIsClear(material)
          : material.kind == MaterialKind::kConductor ? SmoothCoat(material)
-                                                      : false;
+                                                     : false;
 }
 
 void ValidateMaterial(const Material& material, const std::string& where) {

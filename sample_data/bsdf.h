@@ -46,8 +46,8 @@ struct BsdfSample {
   Eigen::Vector3f direction = {0, 0, 1};
   /// BSDF |cos i| / density: what the incident radiance is multiplied by. Zero: nothing drawn.
   Eigen::Vector3f weight = Eigen::Vector3f::Zero();
-  float density = 0;   ///< 1/sr, of all lobes together; 0 for a delta lobe
-  bool delta = false;  ///< drawn from a delta lobe
+  float density = 0;       ///< 1/sr, of all lobes together; 0 for a delta lobe
+  bool delta = false;      ///< drawn from a delta lobe
   float index_ratio2 = 1;  ///< (n_i / n_o)^2: what `weight` lacks for energy to be conserved
 };
 /// `u_lobe` picks the lobe, `u1` and `u2` the direction, all uniform in [0, 1).

@@ -32,13 +32,13 @@ struct LampLight32 {
     float density = 0;          ///< 1/sr; 0 behind the lamp
   };
   Sample Draw(const Eigen::Vector3f& point, float u1, float u2) const {
-    const Eigen::Vector3f d =
-        center + (2 * u1 - 1) * half_u + (2 * u2 - 1) * half_v - point;
+    const Eigen::Vector3f d = center + (2 * u1 - 1) * half_u + (2 * u2 - 1) * half_v - point;
     const float r2 = d.squaredNorm(), r = std::sqrt(r2), facing = -normal.dot(d);
     if (!(facing > 0)) return {};
     return {d / r, r, r2 * r / (facing * area)};
   }
-  /// Distance (in lengths of the unit `direction`) at which a ray meets the front; 0 if it does not.
+  /// Distance (in lengths of the unit `direction`) at which a ray meets the front; 0 if it does
+  /// not.
   float Meet(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
     const float facing = -normal.dot(direction);
     if (!(facing > 0)) return 0;

@@ -50,8 +50,8 @@ float MeanOfRow(const float* row) {
     const double a = static_cast<double>(j) / (kCosines - 1);
     const double b = static_cast<double>(j + 1) / (kCosines - 1);
     const double slope = (row[j + 1] - row[j]) / (b - a), base = row[j] - slope * a;
-    sum += base * (std::pow(b, 4) - std::pow(a, 4)) +
-           slope * 0.8 * (std::pow(b, 5) - std::pow(a, 5));
+    sum +=
+        base * (std::pow(b, 4) - std::pow(a, 4)) + slope * 0.8 * (std::pow(b, 5) - std::pow(a, 5));
   }
   return static_cast<float>(sum);
 }

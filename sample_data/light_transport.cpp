@@ -135,8 +135,8 @@ TransportRow::TransportRow(const TracedScene& scene, const TransportOptions& opt
 RayCounts TransportRow::Add(const SurfacePoint& surface, const V3f& to_eye, uint64_t stream,
                             float weight, float* row) const {
   const Material& m = surface.material;
-  Gathering g{surface, to_eye, surface.frame.Local(to_eye), stream, weight, row,
-              Gathering::kMiddles, {}};
+  Gathering g{surface, to_eye, surface.frame.Local(to_eye), stream,
+              weight,  row,    Gathering::kMiddles,         {}};
   const float texel = 2 / static_cast<float>(options_.cube.resolution);
   if (IsDelta(m)) {
     g.direct = Gathering::kPathsAlone;
@@ -161,8 +161,8 @@ void TransportRow::AddMiddles(Gathering& g) const {
   const int fine = std::clamp(static_cast<int>(std::ceil(2 * texel / lobe)), 1, 8);
   const V3f mirrored = surface.frame.World({-g.o.x(), -g.o.y(), g.o.z()});
   const float near_cosine = std::cos(std::min(3.1f, texel + 6 * lobe));
-  const int side = std::max(1, static_cast<int>(
-                                   std::lround(std::sqrt(options_.samples_per_texel))));
+  const int side =
+      std::max(1, static_cast<int>(std::lround(std::sqrt(options_.samples_per_texel))));
   const float part = 1 / static_cast<float>(side * side);
   ShadowRays shadows;
   const auto passed = [&](int t, const V3f& value) { Deposit(g.row, t, value); };
@@ -178,8 +178,8 @@ void TransportRow::AddMiddles(Gathering& g) const {
         const float distance = point.norm();
         const V3f i = surface.frame.Local(point / distance);
         if (!SameSide(surface, i, point)) continue;
-        const float solid_angle = texel * texel * inverse * inverse /
-                                  (distance * distance * distance);
+        const float solid_angle =
+            texel * texel * inverse * inverse / (distance * distance * distance);
         value += solid_angle * EvaluateBsdf(surface.material, g.o, i).value;
       }
     }
@@ -273,8 +273,9 @@ void TransportRow::AddPaths(Gathering& g) const {
   const float share = g.weight / static_cast<float>(count);
   for (int p = 0; p < count; ++p) {
     Path path;
-    path.key = {MakeSetKey(options_.seed ^ kPathStream, g.stream, static_cast<uint64_t>(p / kSetSize)),
-                static_cast<uint32_t>(p % kSetSize)};
+    path.key = {
+        MakeSetKey(options_.seed ^ kPathStream, g.stream, static_cast<uint64_t>(p / kSetSize)),
+        static_cast<uint32_t>(p % kSetSize)};
     if (scatter(path, g.surface, g.to_eye)) paths.push_back(path);
   }
   while (!paths.empty()) {
@@ -301,8 +302,7 @@ void TransportRow::AddPaths(Gathering& g) const {
         }
         if (path.surfaces >= kLongestPath) continue;
         if (path.inside) {
-          path.throughput.array() *=
-              (-packet.rays.ray.tfar[i] * path.absorption.array()).exp();
+          path.throughput.array() *= (-packet.rays.ray.tfar[i] * path.absorption.array()).exp();
         }
         const SurfacePoint point = scene_.Surface(packet, i, path.direction);
         if (path.bounces > options_.bounces && !Uncounted(point.material)) continue;

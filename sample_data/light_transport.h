@@ -34,8 +34,8 @@ struct TransportOptions {
 /// sixth of a texel), times the share of the texel's shadow rays that pass: no random numbers, so
 /// no noise in the matrix's small singular values. A narrower lobe takes random points of texels
 /// and the BSDF's samples together, weighed by the balance heuristic (Veach and Guibas 1995), and
-/// is unbiased for any exponent. Delta lobes are samples of the BSDF alone. Bounced light is carried
-/// by paths; each that leaves the scene adds to one texel. The scene's lamps play no part.
+/// is unbiased for any exponent. Delta lobes are samples of the BSDF alone. Bounced light is
+/// carried by paths; each that leaves the scene adds to one texel. The scene's lamps play no part.
 class TransportRow {
  public:
   /// The scene must outlive this. Throws Error unless the cube's resolution is 1 to 1024, samples

@@ -50,8 +50,7 @@ inline Eigen::Vector3f SampleGgxNormal(const Eigen::Vector3f& o, float au, float
   const float radius = std::sqrt(u1), angle = 2 * std::numbers::pi_v<float> * u2;
   const float p1 = radius * std::cos(angle);
   const float k = 0.5f * (1 + s.z());
-  const float p2 =
-      (1 - k) * std::sqrt(std::max(0.0f, 1 - p1 * p1)) + k * radius * std::sin(angle);
+  const float p2 = (1 - k) * std::sqrt(std::max(0.0f, 1 - p1 * p1)) + k * radius * std::sin(angle);
   const V3f h = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1 - p1 * p1 - p2 * p2)) * s;
   return V3f(au * h.x(), av * h.y(), std::max(1e-6f, h.z())).normalized();
 }

@@ -80,12 +80,12 @@ struct Path {
   V3f origin, direction;
   V3f throughput = V3f::Ones();
   V3f absorption = V3f::Zero();
-  float density = 0;      // with which the ray was drawn, 1/sr
-  float lamp_share = 1;   // probability that a lamp was asked where the ray began
-  float index_ratio2 = 1; // n^2 of the medium: what `throughput` lacks inside glass
+  float density = 0;       // with which the ray was drawn, 1/sr
+  float lamp_share = 1;    // probability that a lamp was asked where the ray began
+  float index_ratio2 = 1;  // n^2 of the medium: what `throughput` lacks inside glass
   int bounces = 0, surfaces = 0;
-  bool delta = true;      // nothing but the ray itself can find its light
-  bool inside = false;    // of an absorbing glass
+  bool delta = true;    // nothing but the ray itself can find its light
+  bool inside = false;  // of an absorbing glass
   PathKey key;
 };
 
@@ -128,8 +128,9 @@ class Batch {
       const auto gain = [this](int path, const V3f& light) { radiance_[path] += light; };
       const RayOrder order = first ? RayOrder::kCoherent : RayOrder::kScattered;
       for (ShadowQueue& queue : lamp_queues_) {
-        std::vector<ShadowPacket>* log =
-            log_ == nullptr ? nullptr : first ? &log_->near_shadow : &log_->far_shadow;
+        std::vector<ShadowPacket>* log = log_ == nullptr ? nullptr
+                                         : first         ? &log_->near_shadow
+                                                         : &log_->far_shadow;
         counts_.shadow += queue.Flush(scene_, order, log, gain);
       }
       counts_.shadow += last_queue_.Flush(scene_, RayOrder::kScattered,
@@ -172,8 +173,7 @@ class Batch {
       const float t = lamp.Meet(origin, direction);
       if (!(t > 0) || !(t < limit)) continue;
       const float weight =
-          path.delta ? 1
-                     : Power(path.density, path.lamp_share * lamp.Density(direction, t));
+          path.delta ? 1 : Power(path.density, path.lamp_share * lamp.Density(direction, t));
       take(weight * throughput.cwiseProduct(lamp.radiance), t);
     }
     const EnvironmentLight& environment = tracer_.environment();
@@ -191,7 +191,8 @@ class Batch {
     const bool all = path.surfaces == 0;
     const float choice = all ? 0 : RandomPair(path.key, Pair(path, kChoice))[0];
     const auto chosen = [&](size_t count, size_t i) {
-      return all || i == std::min(count - 1, static_cast<size_t>(choice * static_cast<float>(count)));
+      return all ||
+             i == std::min(count - 1, static_cast<size_t>(choice * static_cast<float>(count)));
     };
     for (size_t l = 0; l < lamps; ++l) {
       if (!chosen(lamps, l)) continue;
@@ -330,7 +331,8 @@ V3f PathTracer::TraceRadiance(const V3f& origin, const V3f& direction, int sampl
   std::vector<PathRay> rays(static_cast<size_t>(std::max(1, samples)));
   std::vector<V3f> radiance(rays.size());
   for (size_t s = 0; s < rays.size(); ++s) {
-    rays[s] = {origin, direction,
+    rays[s] = {origin,
+               direction,
                {MakeSetKey(seed, stream, s / kSetSize), static_cast<uint32_t>(s % kSetSize)}};
   }
   Trace(rays, radiance);

@@ -30,7 +30,8 @@ struct alignas(64) ShadowPacket {
   alignas(64) int valid[16];
 };
 
-/// Every packet of a tracer as it was handed to Embree, for measuring Embree alone on the same rays.
+/// Every packet of a tracer as it was handed to Embree, for measuring Embree alone on the same
+/// rays.
 struct RayLog {
   std::vector<RayPacket> camera, bounce;
   std::vector<ShadowPacket> near_shadow;  ///< of first hits, towards one light a packet
@@ -48,15 +49,15 @@ struct PathRay {
 /// At every surface that is not a delta lobe one point of each lamp, one direction of the
 /// environment map and every directional light are asked (beyond the first surface: one lamp and
 /// one directional light, drawn at random); the other strategy is the BSDF's own samples; both
-/// are weighed by the power heuristic (Veach and Guibas 1995). The room of Lighting is found by BSDF
-/// samples alone.
+/// are weighed by the power heuristic (Veach and Guibas 1995). The room of Lighting is found by
+/// BSDF samples alone.
 ///
 /// `bounces` counts scatterings after the first surface; 0 is direct light only. What a glass or a
 /// perfect mirror does is not counted, so direct light is also what is seen through or in them.
 /// Glass blocks shadow rays: light behind it is found by the paths that go through, and
 /// directional light, which no path can find, casts full shadows there. Absorption (Beer-Lambert)
-/// acts between the surfaces that a ray inside glass meets. From the eighth surface on paths survive
-/// by Russian roulette; all end at the thirty-second.
+/// acts between the surfaces that a ray inside glass meets. From the eighth surface on paths
+/// survive by Russian roulette; all end at the thirty-second.
 ///
 /// Lamps are seen by every ray, camera rays too, and stand in no ray's way.
 class PathTracer {
@@ -76,7 +77,8 @@ class PathTracer {
   RayCounts Trace(std::span<const PathRay> rays, std::span<Eigen::Vector3f> radiance,
                   RayLog* log = nullptr) const;
 
-  /// The mean of `samples` paths along one ray (unit `direction`); numbers depend on (seed, stream).
+  /// The mean of `samples` paths along one ray (unit `direction`); numbers depend on (seed,
+  /// stream).
   Eigen::Vector3f TraceRadiance(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                                 int samples, uint64_t seed, uint64_t stream) const;
 

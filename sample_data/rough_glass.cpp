@@ -70,8 +70,7 @@ bool GlassIsClear(const Material& material) {
 BsdfValue EvaluateGlass(const Material& material, const V3f& o, const V3f& i) {
   if (GlassIsClear(material) || o.z() == 0) return {};
   const bool inside = o.z() < 0;
-  return EvaluateAbove(material, EtaFrom(material, inside), Flipped(o, inside),
-                       Flipped(i, inside));
+  return EvaluateAbove(material, EtaFrom(material, inside), Flipped(o, inside), Flipped(i, inside));
 }
 
 BsdfSample SampleGlass(const Material& material, const V3f& o, float u_lobe, float u1, float u2) {

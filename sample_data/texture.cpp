@@ -96,10 +96,10 @@ V2 TextureCoordinates(TextureMapping mapping, const TextureFrame& frame, const V
                       const V2& uv) {
   if (mapping == TextureMapping::kUv) return uv;
   if (mapping == TextureMapping::kSolid || frame.bounds.isEmpty()) return V2::Zero();
-  const V3 unit = ((point - frame.bounds.min()).array() /
-                   frame.bounds.sizes().cwiseMax(1e-6).array())
-                      .cwiseMax(0)
-                      .cwiseMin(1);
+  const V3 unit =
+      ((point - frame.bounds.min()).array() / frame.bounds.sizes().cwiseMax(1e-6).array())
+          .cwiseMax(0)
+          .cwiseMin(1);
   if (mapping == TextureMapping::kPlanar) return unit.head<2>();
   const V3 d = point - frame.bounds.center();
   const double azimuth = std::clamp(0.5 + std::atan2(d.y(), d.x()) / (2 * kPi), 0.0, 1.0);
@@ -108,8 +108,7 @@ V2 TextureCoordinates(TextureMapping mapping, const TextureFrame& frame, const V
   return {azimuth, std::clamp(1 - polar / kPi, 0.0, 1.0)};
 }
 
-V3f TextureValue(const Texture& texture, const TextureFrame& frame, const V3& point,
-                 const V2& uv) {
+V3f TextureValue(const Texture& texture, const TextureFrame& frame, const V3& point, const V2& uv) {
   if (texture.kind == TextureKind::kNone) return V3f::Ones();
   const V2 place = TextureCoordinates(texture.mapping, frame, point, uv);
   if (texture.kind == TextureKind::kImage) {

@@ -89,9 +89,8 @@ void TracedScene::Attach(unsigned id, Geometry& geometry) {
   RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                              geometry.positions.data(), 0, 3 * sizeof(float), vertices);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             geometry.indices.data(), 0, 3 * sizeof(unsigned),
-                             geometry.indices.size() / 3);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, geometry.indices.data(),
+                             0, 3 * sizeof(unsigned), geometry.indices.size() / 3);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(scene_, g, id);
   rtcReleaseGeometry(g);
@@ -156,15 +155,14 @@ SurfacePoint TracedScene::SurfaceAt(int object, int triangle, float u, float v,
   const V3f cross = ab.cross(ac);
   const float area = cross.norm();
   surface.facet = area > 0 ? V3f(cross / area) : V3f(0, 0, 1);
-  V3f normal = (1 - u - v) * corner(g.normals, 0) + u * corner(g.normals, 1) +
-               v * corner(g.normals, 2);
+  V3f normal =
+      (1 - u - v) * corner(g.normals, 0) + u * corner(g.normals, 1) + v * corner(g.normals, 2);
   const float length = normal.norm();
   normal = length > 1e-6f ? V3f(normal / length) : surface.facet;
   if (normal.dot(surface.facet) < 0) normal = surface.facet;
   const SceneObject& o = (*objects_)[object];
   surface.material =
-      g.plain ? o.material
-              : ResolveMaterial(o, g.texture_frame, triangle, u, v, surface.position);
+      g.plain ? o.material : ResolveMaterial(o, g.texture_frame, triangle, u, v, surface.position);
   if (!o.uv.empty() && surface.material.alpha_u != surface.material.alpha_v) {
     const Eigen::Vector2f st = o.uv[t[1]] - o.uv[t[0]], pq = o.uv[t[2]] - o.uv[t[0]];
     const float determinant = st.x() * pq.y() - st.y() * pq.x();
@@ -193,15 +191,14 @@ SurfacePoint TracedScene::Surface(const RayPacket& packet, int lane, const V3f& 
   surface.patch = static_cast<int>(hit.primID[lane] / 2);
   const Patch& patch = patches_[surface.patch];
   const RTCRay16& ray = packet.rays.ray;
-  surface.position = V3f(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]) +
-                     ray.tfar[lane] * direction;
+  surface.position =
+      V3f(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]) + ray.tfar[lane] * direction;
   surface.facet = patch.Normal().cast<float>();
   // Onto the plane exactly: prints are looked up there, and rays leave from there.
   surface.position -=
       surface.facet.dot(surface.position - patch.origin.cast<float>()) * surface.facet;
   surface.material.kind = MaterialKind::kLambert;
-  surface.material.diffuse =
-      V3f::Constant(reflectance_->Albedo(patch.material, surface.position));
+  surface.material.diffuse = V3f::Constant(reflectance_->Albedo(patch.material, surface.position));
   FinishFrame(surface, surface.facet, nullptr, -direction);
   return surface;
 }

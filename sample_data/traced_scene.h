@@ -58,6 +58,7 @@ class TracedScene {
   /// bounce can pass.
   bool HasSpecularPaths() const { return has_specular_paths_; }
   bool IsObject(unsigned geometry) const { return geometry < objects_->size(); }
+  RTCScene embree() const { return scene_; }
 
   void Intersect(RayPacket& packet, RayOrder order) const;
   /// Afterwards tfar is negative in the lanes with `valid` -1 that have something on their way.
@@ -73,7 +74,7 @@ class TracedScene {
 
  private:
   struct Geometry {
-    std::vector<float> positions;    // x, y, z and padding for Embree
+    std::vector<float> positions;  // x, y, z and padding for Embree
     std::vector<unsigned> indices;
     std::vector<float> normals;
     TextureFrame texture_frame;

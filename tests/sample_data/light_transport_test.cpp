@@ -103,8 +103,12 @@ TEST(TransportRow, BlockersDarkenTheTexelsBehindThem) {
   for (int t = 0; t < options.cube.Texels(); ++t) {
     const V3f d = options.cube.Direction(t);
     const float value = row[3 * static_cast<size_t>(t)];
-    if (d.z() > 0.2f && d.x() > 0.1f) EXPECT_EQ(value, 0) << d.transpose();
-    if (d.z() > 0.1f && d.x() < -0.1f) EXPECT_GT(value, 0) << d.transpose();
+    if (d.z() > 0.2f && d.x() > 0.1f) {
+      EXPECT_EQ(value, 0) << d.transpose();
+    }
+    if (d.z() > 0.1f && d.x() < -0.1f) {
+      EXPECT_GT(value, 0) << d.transpose();
+    }
   }
 }
 

