@@ -85,7 +85,11 @@ nlohmann::json TransportToJson(const TransportField& transport) {
   nlohmann::json json = {{"file", transport.file},
                          {"kind", transport.kind == TransportKind::kImage ? "image" : "mesh"},
                          {"cube_resolution", transport.cube_resolution}};
+  PutText(json, "camera", transport.camera);
   PutText(json, "mesh", transport.mesh);
+  for (const Eigen::Vector3d& eye : transport.eyes) {
+    json["eyes"].push_back({eye.x(), eye.y(), eye.z()});
+  }
   return json;
 }
 

@@ -65,7 +65,7 @@ class ManifestReader {
     }
     if (root.Has("transport")) {
       JsonReader transport = root.Object("transport");
-      capture.transport = ReadTransport(transport);
+      capture.transport = ReadTransport(transport, capture);
     }
     root.Finish();
     return capture;
@@ -231,7 +231,16 @@ class ManifestReader {
     return field;
   }
 
-  TransportField ReadTransport(JsonReader& reader) const {
+  std::vector<Eigen::Vector3d> Eyes(JsonReader& reader) const {
+    std::vector<Eigen::Vector3d> eyes;
+    for (const std::vector<double>& row : reader.NumberRows("eyes", 3)) {
+      eyes.emplace_back(row[0], row[1], row[2]);
+    }
+    if (eyes.empty()) reader.Fail("eyes", "is empty; list where the eye of each view stands");
+    return eyes;
+  }
+
+  TransportField ReadTransport(JsonReader& reader, const Capture& capture) const {
     TransportField transport;
     transport.file = RequiredFile(reader, "file");
     const std::string kind = reader.Text("kind");
@@ -242,8 +251,13 @@ class ManifestReader {
     if (transport.kind == TransportKind::kMesh && transport.mesh.empty()) {
       reader.Fail("mesh", "is missing; transport of kind \"mesh\" names the mesh of its rows");
     }
-    if (transport.kind == TransportKind::kImage && !transport.mesh.empty()) {
-      reader.Fail("mesh", "belongs to kind \"mesh\" only; leave it out");
+    if (transport.kind == TransportKind::kMesh) {
+      transport.eyes = Eyes(reader);
+    } else {
+      for (const char* key : {"mesh", "eyes"}) {
+        if (reader.Has(key)) reader.Fail(key, "belongs to kind \"mesh\" only; leave it out");
+      }
+      transport.camera = CameraKey(reader, capture);
     }
     reader.Finish();
     return transport;

@@ -41,7 +41,10 @@ struct TransportField {
   std::string file;  ///< relative to the capture folder
   TransportKind kind = TransportKind::kImage;
   int cube_resolution = 32;  ///< texels a side of a cube face
+  std::string camera;        ///< kImage: key of Capture::cameras; empty for kMesh
   std::string mesh;          ///< kMesh: the PLY file, relative; empty for kImage
+  /// kMesh: where each view's eye stands, mm, world frame; at least one. Empty for kImage.
+  std::vector<Eigen::Vector3d> eyes;
 };
 
 }  // namespace lfm

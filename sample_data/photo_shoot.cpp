@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "sample_data/exposed_picture.h"
 #include "sample_data/occluder.h"
 #include "sample_data/random.h"
 
@@ -49,43 +50,6 @@ void ApplyConditions(const PhotoShoot& shoot, const PhotoConditions& conditions,
   }
 }
 
-Image MakePicture(int width, int height, PhotoFormat format) {
-  switch (format) {
-    case PhotoFormat::kPng16:
-      return Image(width, height, 3, PixelType::kUint16, ColorEncoding::kLinear);
-    case PhotoFormat::kExr:
-      return Image(width, height, 3, PixelType::kFloat32, ColorEncoding::kLinear);
-    case PhotoFormat::kPng8:
-    case PhotoFormat::kJpeg:
-      break;
-  }
-  return Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-}
-
-void ExposePictureRow(const PhotoShoot& shoot, const std::vector<float>& row, uint64_t index, int y,
-                      Image& picture) {
-  const int count = static_cast<int>(row.size());
-  const auto line = static_cast<uint64_t>(y);
-  switch (picture.type()) {
-    case PixelType::kUint8:
-      ExposeRow(shoot.sensor, row.data(), count, shoot.seed, index, line,
-                &picture.At<uint8_t>(0, y));
-      return;
-    case PixelType::kFloat32:
-      ExposeRowLinear(shoot.sensor, row.data(), count, shoot.seed, index, line,
-                      &picture.At<float>(0, y));
-      return;
-    case PixelType::kUint16:
-      break;
-  }
-  std::vector<float> values(row.size());
-  ExposeRowLinear(shoot.sensor, row.data(), count, shoot.seed, index, line, values.data());
-  uint16_t* out = &picture.At<uint16_t>(0, y);
-  for (size_t i = 0; i < values.size(); ++i) {
-    out[i] = static_cast<uint16_t>(std::lround(std::max(0.0f, values[i]) * 65535));
-  }
-}
-
 }  // namespace
 
 TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from_world,
@@ -125,7 +89,8 @@ TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from
     const float* in = &radiance.At<float>(0, y);
     for (size_t i = 0; i < row.size(); ++i) row[i] = shoot.exposure * in[i];
     if (!plain) ApplyConditions(shoot, conditions, y, row);
-    ExposePictureRow(shoot, row, static_cast<uint64_t>(index), y, taken.picture);
+    ExposePictureRow(shoot.sensor, row, shoot.seed, static_cast<uint64_t>(index), y,
+                     taken.picture);
   }
   return taken;
 }

@@ -16,6 +16,7 @@
 #include "sample_data/camera_path.h"
 #include "sample_data/coat_shading.h"
 #include "sample_data/exports.h"
+#include "sample_data/exposed_picture.h"
 #include "sample_data/photo_renderer.h"
 #include "sample_data/photo_shoot.h"
 #include "sample_data/plate.h"
@@ -49,17 +50,9 @@ PatternOptions MakePatternOptions(const StudioOptions& options) {
 }
 
 std::string PhotoEnding(const StudioOptions& options) {
-  switch (options.trouble.photo.format) {
-    case PhotoFormat::kPng16:
-      return ".png";
-    case PhotoFormat::kExr:
-      return ".exr";
-    case PhotoFormat::kJpeg:
-      return ".jpg";
-    case PhotoFormat::kPng8:
-      break;
-  }
-  return options.jpeg_quality > 0 ? ".jpg" : ".png";
+  const PhotoFormat format = options.trouble.photo.format;
+  if (format == PhotoFormat::kPng8 && options.jpeg_quality > 0) return ".jpg";
+  return PictureEnding(format);
 }
 
 std::vector<std::string> RoleNames(const PatternSequence& sequence) {

@@ -9,12 +9,17 @@
 
 namespace lfm {
 
+/// How many samples the light of a scene gets.
+enum class RenderQuality { kDraft, kDefault, kReference };
+
 /// What the studio makes. The same options give the same capture, byte for byte.
 struct StudioOptions {
-  int scene = 0;  ///< index of {"bust"}; `mesh` replaces it
+  std::string scene = "bust";  ///< built in, or a scene file; `mesh` replaces it
   std::string mesh;
   double mesh_height_mm = 120;
   int seed = 1;
+  RenderQuality quality = RenderQuality::kDefault;
+  int transport_channels = 1;
   bool tiny = false;
   int photos = 120, test_photos = 16;
   int photo_width = 960, photo_height = 720;
@@ -29,8 +34,20 @@ struct StudioOptions {
   int jpeg_quality = 0;
   Trouble trouble;
 
+  /// The samples of this quality where the default has `usual`.
+  int SamplesPerPixel(int usual) const {
+    if (quality == RenderQuality::kDraft) return usual / 4 > 0 ? usual / 4 : 1;
+    return quality == RenderQuality::kReference ? 16 * usual : usual;
+  }
+
   void Declare(OptionVisitor& v) {
-    v.Choice({"scene", "The object that stands on the platform."}, {"bust"}, scene);
+    v.Text({"scene", "What is recorded: a scene that is built in, or a scene file (JSON)."}, scene);
+    v.Enumeration({"quality",
+                   "Samples of light: a quarter, the usual, or 16 times as many and no sensor noise."},
+                  {"draft", "default", "reference"}, quality);
+    v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
+               "", 1, 3},
+              transport_channels);
     v.Text({"mesh", "A PLY mesh to stand on the platform instead of the scene's object."}, mesh);
     v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
     v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
