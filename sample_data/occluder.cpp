@@ -168,7 +168,7 @@ Occluder MakeOccluder(OccluderKind kind, const Camera& camera, const Pose& camer
   const V3 inwards(std::cos(angle), std::sin(angle), 0);  // camera frame, towards the tip
   // From the middle, in units of half the picture's height.
   const bool stick = kind == OccluderKind::kStick;
-  const double reach = stick ? random.Uniform(-0.4, 0.4) : random.Uniform(0.35, 0.75);
+  const double reach = stick ? random.Uniform(-0.4, 0.4) : random.Uniform(0.1, 0.6);
   const double aside = random.Uniform(-0.4, 0.4);
   const double half_height = 0.5 * camera.height / camera.fy * depth;
   const V3 across(-inwards.y(), inwards.x(), 0);

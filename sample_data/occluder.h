@@ -36,8 +36,8 @@ struct Occluder {
   Eigen::Vector3f albedo = {0.5f, 0.5f, 0.5f};
 };
 
-/// An occluder that reaches into the picture from a random side, its tip somewhere in the middle
-/// half (a stick) or the outer half (a hand), at 40 to 60 % of the way to `center`: nearer than
+/// An occluder that reaches into the picture from a random side, its tip near the middle (a stick)
+/// or between there and the border (a hand), at 40 to 60 % of the way to `center`: nearer than
 /// anything that stands on the platform.
 Occluder MakeOccluder(OccluderKind kind, const Camera& camera, const Pose& camera_from_world,
                       const Eigen::Vector3d& center, RandomStream& random);

@@ -56,7 +56,7 @@ TEST(Capsule, IntersectionIsWhereTheDistanceFirstVanishes) {
       EXPECT_NEAR(hit->distance, t, 1e-6);
     }
   }
-  EXPECT_GT(hits, 500);
+  EXPECT_GT(hits, 300);
 }
 
 TEST(Capsule, BehindTheEyeIsNotSeen) {
@@ -95,7 +95,7 @@ TEST(Occluder, BallHasItsAreaAndTheAlbedoOfItsSurroundings) {
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const float red = photo.radiance.At<float>(x, y);
-      coverage += (50 - red) / (50 - 0.4);
+      coverage += (50 - red) / (50 - 0.3);
       masked += photo.mask.At<uint8_t>(x, y) == 0;
     }
   }
@@ -103,9 +103,12 @@ TEST(Occluder, BallHasItsAreaAndTheAlbedoOfItsSurroundings) {
   const double area = std::numbers::pi * tangent * tangent * camera.fx * camera.fy;
   EXPECT_NEAR(coverage / area, 1, 0.01);
   EXPECT_NEAR(masked / area, 1, 0.03);
+  // Its middle faces the camera, and is lit as the room is seen from there.
+  const Eigen::Vector3f expected =
+      ball.albedo.cwiseProduct(lighting.Environment(Eigen::Vector3f(0, -1, 0)));
   const int cx = static_cast<int>(std::lround(camera.cx)), cy = static_cast<int>(camera.cy);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(photo.radiance.At<float>(cx, cy, c), 2 * ball.albedo[c], 1e-4);
+    EXPECT_NEAR(photo.radiance.At<float>(cx, cy, c), expected[c], 0.03 * expected[c]);
   }
 }
 
@@ -139,7 +142,7 @@ TEST(Occluder, SticksAndHandsReachInFromTheBorderNearerThanTheSubject) {
         }
       }
       EXPECT_GT(border, 0);
-      EXPECT_GT(inside, 100);
+      EXPECT_GT(inside, 50);
       covered += inside / (160.0 * 120 * 12);
     }
     EXPECT_GT(covered, kind == OccluderKind::kStick ? 0.02 : 0.08);

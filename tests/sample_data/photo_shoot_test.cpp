@@ -146,7 +146,7 @@ TEST_F(PhotoShootTest, SaturatesAtAFullWellAndKeepsNoiseBelowZeroInFloat) {
 TEST_F(PhotoShootTest, DefocusBlursWhatIsOutOfFocusOnly) {
   PhotoTrouble trouble;
   trouble.format = PhotoFormat::kExr;
-  trouble.aperture_mm = 20;
+  trouble.aperture_mm = 44;
   const TakenPhoto photo = Take(trouble, {}), plain = Take({}, {});
   const double near_sharp = Contrast(plain.picture, 20, 40);
   EXPECT_GT(Contrast(photo.picture, 20, 40), 0.97 * near_sharp);

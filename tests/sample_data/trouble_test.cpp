@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "sample_data/camera_path.h"
 #include "sample_data/studio.h"
 
 namespace lfm {
@@ -86,15 +87,15 @@ TEST(Trouble, EveryKnobIsValidatedAndNamesAreDistinct) {
   options = SmallOptions();
   options.trouble.photo.occluded_share = 1.1;
   EXPECT_THROW(RunStudio(options), Error);
-  options = SmallOptions();
-  options.trouble.photo.distortion = 3;  // folds over in the corners? a clear error or a picture
-  try {
-    options.photos = 1;
-    options.test_photos = options.scans = options.placements = 0;
-    RunStudio(options);
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("distortion"), std::string::npos) << error.what();
-  }
+}
+
+TEST(ScaleDistortion, ScalesEveryTermAndRefusesALensThatFolds) {
+  const Camera usual = MakePhotoCamera(96, 72), double_it = ScaleDistortion(usual, 2);
+  EXPECT_EQ(double_it.k1, 2 * usual.k1);
+  EXPECT_EQ(double_it.k3, 2 * usual.k3);
+  EXPECT_EQ(double_it.p2, 2 * usual.p2);
+  EXPECT_EQ(double_it.fx, usual.fx);
+  EXPECT_THROW(ScaleDistortion(usual, 40), Error);
 }
 
 TEST(Trouble, EverythingAtOnceIsTheSameForEveryNumberOfThreads) {
