@@ -18,7 +18,7 @@ namespace {
 
 using V3f = Eigen::Vector3f;
 
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kPi = std::numbers::pi_v<float>, kInversePi = 1 / kPi;
 
 float Brightness(const V3f& color) { return (color.x() + color.y() + color.z()) / 3; }
 
@@ -51,7 +51,7 @@ float PowerOfCosine(const V3f& a, const V3f& b, float exponent) {
 }
 
 BsdfValue EvaluateLambert(const V3f& albedo, const V3f& i) {
-  return {i.z() / kPi * albedo, i.z() / kPi};
+  return {i.z() * kInversePi * albedo, i.z() * kInversePi};
 }
 
 float PhongShare(const Material& m) {
@@ -61,8 +61,8 @@ float PhongShare(const Material& m) {
 BsdfValue EvaluatePhong(const Material& m, const V3f& o, const V3f& i) {
   const float lobe = PowerOfCosine(Mirrored(o), i, m.exponent) / (2 * kPi);
   const float share = PhongShare(m);
-  const V3f f = m.diffuse / kPi + (m.exponent + 2) * lobe * m.specular;
-  return {i.z() * f, share * (m.exponent + 1) * lobe + (1 - share) * i.z() / kPi};
+  const V3f f = kInversePi * m.diffuse + (m.exponent + 2) * lobe * m.specular;
+  return {i.z() * f, share * (m.exponent + 1) * lobe + (1 - share) * i.z() * kInversePi};
 }
 
 V3f PhongDirection(const Material& m, const V3f& o, float u1, float u2) {
@@ -95,8 +95,8 @@ BsdfValue EvaluatePaint(const Material& m, const V3f& o, const V3f& i) {
   const float share = PaintShare(m, o), alpha = AlphaU(m);
   const V3f base = m.diffuse.cwiseProduct(V3f::Ones() - m.specular);
   const GgxReflected r = ReflectGgx(o, i, alpha, alpha);
-  return {i.z() * (base / kPi + r.value * SchlickColor(m.specular, r.cos_h)),
-          share * r.density + (1 - share) * i.z() / kPi};
+  return {i.z() * (kInversePi * base + r.value * SchlickColor(m.specular, r.cos_h)),
+          share * r.density + (1 - share) * i.z() * kInversePi};
 }
 
 // The plastic's coat at cosine c: its albedo, exact where it is smooth.
@@ -115,7 +115,7 @@ float PlasticShare(const Material& m, float coat_albedo) {
 BsdfValue EvaluatePlastic(const Material& m, const V3f& o, const V3f& i) {
   const float eo = CoatAlbedo(m, o.z()), share = PlasticShare(m, eo);
   const float base = (1 - eo) * (1 - CoatAlbedo(m, i.z())) / (kPi * (1 - CoatMean(m)));
-  BsdfValue result{i.z() * base * m.diffuse, (1 - share) * i.z() / kPi};
+  BsdfValue result{i.z() * base * m.diffuse, (1 - share) * i.z() * kInversePi};
   if (!SmoothCoat(m)) {
     const GgxReflected r = ReflectGgx(o, i, AlphaU(m), AlphaV(m));
     result.value += V3f::Constant(i.z() * r.value * DielectricFresnel(r.cos_h, m.ior));
@@ -137,7 +137,7 @@ BsdfValue EvaluateFuzz(const Material& m, const V3f& o, const V3f& i) {
   const float base = (1 - color * eo) * (1 - color * table.At(m.alpha_u, i.z())) /
                      (kPi * std::max(1e-3f, 1 - color * table.Mean(m.alpha_u)));
   return {i.z() * (base * m.diffuse + FuzzReflection(o, i, m.alpha_u) * m.specular),
-          share / (2 * kPi) + (1 - share) * i.z() / kPi};
+          share / (2 * kPi) + (1 - share) * i.z() * kInversePi};
 }
 
 BsdfSample MirrorSample(const V3f& o, const V3f& weight) {
@@ -171,7 +171,7 @@ V3f SpecularDirection(const Material& m, const V3f& o, float u1, float u2) {
   if (m.kind == MaterialKind::kFuzz) return HemisphereDirection(u1, u2);
   const float av = m.kind == MaterialKind::kPaint ? AlphaU(m) : AlphaV(m);
   const V3f h = SampleGgxNormal(o, AlphaU(m), av, u1, u2);
-  return (2 * o.dot(h) * h - o).normalized();
+  return UnitVector(2 * o.dot(h) * h - o);
 }
 
 void RequireRange(float value, float low, float high, const char* what, const std::string& where) {
@@ -211,7 +211,7 @@ BsdfSample SampleBsdf(const Material& material, const V3f& o, float u_lobe, floa
   BsdfSample sample;
   if (material.kind == MaterialKind::kLambert) {
     sample.direction = CosineDirection(u1, u2);
-    sample.density = sample.direction.z() / kPi;
+    sample.density = sample.direction.z() * kInversePi;
     sample.weight = material.diffuse;
     return sample;
   }
@@ -231,7 +231,7 @@ BsdfSample SampleBsdf(const Material& material, const V3f& o, float u_lobe, floa
   const BsdfValue value = EvaluateBsdf(material, o, sample.direction);
   if (!(value.density > 0)) return {};
   sample.density = value.density;
-  sample.weight = value.value / value.density;
+  sample.weight = (1 / value.density) * value.value;
   return sample;
 }
 

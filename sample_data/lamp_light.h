@@ -35,7 +35,8 @@ struct LampLight32 {
     const Eigen::Vector3f d = center + (2 * u1 - 1) * half_u + (2 * u2 - 1) * half_v - point;
     const float r2 = d.squaredNorm(), r = std::sqrt(r2), facing = -normal.dot(d);
     if (!(facing > 0)) return {};
-    return {d / r, r, r2 * r / (facing * area)};
+    const float inverse = 1 / r;
+    return {inverse * d, r, r2 * r / (facing * area)};
   }
   /// Distance (in lengths of the unit `direction`) at which a ray meets the front; 0 if it does
   /// not.

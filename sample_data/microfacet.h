@@ -18,6 +18,11 @@ namespace lfm {
 /// Directions are unit, z is the normal, `au`, `av` in (0, 1]. Nothing here is NaN: what lies below
 /// the horizon gives 0.
 
+/// `v` at length 1 (one division, where Eigen takes three).
+inline Eigen::Vector3f UnitVector(const Eigen::Vector3f& v) {
+  return (1 / std::sqrt(v.squaredNorm())) * v;
+}
+
 /// S(w) above.
 inline float GgxStretch(const Eigen::Vector3f& w, float au, float av) {
   const float x = au * w.x(), y = av * w.y();
@@ -27,8 +32,10 @@ inline float GgxStretch(const Eigen::Vector3f& w, float au, float av) {
 /// D(h), 1/sr.
 inline float GgxNormals(const Eigen::Vector3f& h, float au, float av) {
   if (!(h.z() > 0)) return 0;
-  const float x = h.x() / au, y = h.y() / av, t = x * x + y * y + h.z() * h.z();
-  return 1 / (std::numbers::pi_v<float> * au * av * t * t);
+  // Multiplied through by (au av)^2, for the sake of a single division.
+  const float x = h.x() * av, y = h.y() * au, a = au * av, z = h.z() * a;
+  const float t = x * x + y * y + z * z;
+  return a * a * a / (std::numbers::pi_v<float> * t * t);
 }
 
 /// Smith's G1 of a direction on either side.
@@ -42,7 +49,7 @@ inline float GgxVisible(const Eigen::Vector3f& w, float au, float av) {
 inline Eigen::Vector3f SampleGgxNormal(const Eigen::Vector3f& o, float au, float av, float u1,
                                        float u2) {
   using V3f = Eigen::Vector3f;
-  const V3f s = V3f(au * o.x(), av * o.y(), o.z()).normalized();
+  const V3f s = UnitVector(V3f(au * o.x(), av * o.y(), o.z()));
   const float planar2 = s.x() * s.x() + s.y() * s.y();
   const float inverse = planar2 > 1e-14f ? 1 / std::sqrt(planar2) : 0;
   const V3f t1 = inverse > 0 ? V3f(-s.y() * inverse, s.x() * inverse, 0) : V3f(1, 0, 0);
@@ -52,7 +59,7 @@ inline Eigen::Vector3f SampleGgxNormal(const Eigen::Vector3f& o, float au, float
   const float k = 0.5f * (1 + s.z());
   const float p2 = (1 - k) * std::sqrt(std::max(0.0f, 1 - p1 * p1)) + k * radius * std::sin(angle);
   const V3f h = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1 - p1 * p1 - p2 * p2)) * s;
-  return V3f(au * h.x(), av * h.y(), std::max(1e-6f, h.z())).normalized();
+  return UnitVector(V3f(au * h.x(), av * h.y(), std::max(1e-6f, h.z())));
 }
 
 /// What one reflection is worth: `value` = D G2 / (4 oz iz) (times F: the BRDF), `density` of the
@@ -63,7 +70,7 @@ struct GgxReflected {
 inline GgxReflected ReflectGgx(const Eigen::Vector3f& o, const Eigen::Vector3f& i, float au,
                                float av) {
   if (!(o.z() > 0) || !(i.z() > 0)) return {};
-  const Eigen::Vector3f h = (o + i).normalized();
+  const Eigen::Vector3f h = UnitVector(o + i);
   const float d = GgxNormals(h, au, av);
   const float so = GgxStretch(o, au, av), si = GgxStretch(i, au, av);
   return {0.5f * d / (o.z() * si + i.z() * so), 0.5f * d / (o.z() + so), o.dot(h)};

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "sample_data/bsdf.h"
+#include "sample_data/microfacet.h"
 
 namespace lfm {
 namespace {
@@ -50,6 +51,11 @@ class ShadowQueue {
     ++count_;
   }
 
+  void Reserve(size_t rays) {
+    packets_.reserve(rays / 16 + 1);
+    gains_.reserve(rays);
+  }
+
   template <typename Gain>
   int Flush(const TracedScene& scene, RayOrder order, std::vector<ShadowPacket>* log,
             const Gain& gain) {
@@ -89,10 +95,9 @@ struct Path {
   PathKey key;
 };
 
-float Power(float a, float b) {
-  const float r = b / a;
-  return 1 / (1 + r * r);
-}
+// The power heuristic's weight of a sample of density `a` beside another strategy's `b`. Grazing
+// lamps may have densities whose squares overflow: then `b` wins.
+float Power(float a, float b) { return a * a / (a * a + b * b); }
 
 class Batch {
  public:
@@ -100,6 +105,7 @@ class Batch {
         RayLog* log)
       : tracer_(tracer), scene_(tracer.scene()), radiance_(radiance), log_(log) {
     lamp_queues_.resize(tracer.lamps().size() + tracer.directional().size() + 1);
+    for (size_t l = 0; l < tracer.lamps().size(); ++l) lamp_queues_[l].Reserve(rays.size());
     paths_.resize(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) {
       paths_[i].origin = rays[i].origin;
@@ -149,8 +155,9 @@ class Batch {
     Path& path = paths_[index];
     const bool hit = packet.rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
     const float distance = hit ? packet.rays.ray.tfar[lane] : kFar;
-    ForEachEmitter(path, path.origin, path.direction, path.throughput, distance,
-                   [&](const V3f& light, float) { radiance_[index] += light; });
+    ForEachEmitter(
+        path, path.origin, path.direction, path.throughput, distance,
+        [&](const V3f& light, float) { radiance_[index] += Limited(path, path.surfaces, light); });
     if (!hit || path.surfaces >= kLongestPath) return;
     if (path.inside) {
       path.throughput.array() *= (-distance * path.absorption.array()).exp();
@@ -163,6 +170,14 @@ class Batch {
     const V3f o = surface.frame.Local(-path.direction);
     if (!delta) Illuminate(index, surface, o);
     Scatter(index, surface, o, uncounted);
+  }
+
+  // `light` that came over `surfaces` surfaces, held below the limit for what came over two or more
+  // of which one is counted.
+  V3f Limited(const Path& path, int surfaces, const V3f& light) const {
+    if (surfaces < 2 || path.bounces < 1) return light;
+    const float most = light.maxCoeff(), limit = tracer_.indirect_limit();
+    return most > limit ? V3f(limit / most * light) : light;
   }
 
   // Calls take(light, distance) for every emitter that the ray meets before `limit`.
@@ -219,7 +234,9 @@ class Batch {
       const float share = all ? 1 : 1 / static_cast<float>(parallel);
       lamp_queues_[lamps + 1 + l].Add(
           TracedScene::Departure(surface, light.to_light), light.to_light, kFar,
-          path.throughput.cwiseProduct(value).cwiseProduct(light.irradiance) / share, index);
+          Limited(path, path.surfaces + 1,
+                  path.throughput.cwiseProduct(value).cwiseProduct(light.irradiance) / share),
+          index);
     }
   }
 
@@ -231,8 +248,10 @@ class Batch {
     const BsdfValue value = EvaluateBsdf(surface.material, o, i);
     if (value.value.isZero()) return;
     const V3f light = paths_[index].throughput.cwiseProduct(value.value).cwiseProduct(radiance) *
-                      (Power(density, value.density) / density);
-    queue.Add(TracedScene::Departure(surface, direction), direction, distance, light, index);
+                      (density / (density * density + value.density * value.density));
+    const Path& path = paths_[index];
+    queue.Add(TracedScene::Departure(surface, direction), direction, distance,
+              Limited(path, path.surfaces + 1, light), index);
   }
 
   // Whether a direction is on the same side of the facet as of the shading normal: else light would
@@ -249,7 +268,7 @@ class Batch {
     const auto u = RandomPair(path.key, Pair(path, kDirection));
     const BsdfSample sample = SampleBsdf(surface.material, o, lobe[0], u[0], u[1]);
     if (sample.weight.isZero()) return;
-    const V3f direction = surface.frame.World(sample.direction).normalized();
+    const V3f direction = UnitVector(surface.frame.World(sample.direction));
     if (!SameSide(surface, sample.direction, direction)) return;
     path.throughput = path.throughput.cwiseProduct(sample.weight);
     path.density = sample.density;
@@ -264,7 +283,8 @@ class Batch {
       // Only emitters count any more: no need to know what is hit.
       ForEachEmitter(path, origin, direction, path.throughput, kFar,
                      [&](const V3f& light, float distance) {
-                       last_queue_.Add(origin, direction, distance * kShort, light, index);
+                       last_queue_.Add(origin, direction, distance * kShort,
+                                       Limited(path, path.surfaces + 1, light), index);
                      });
       return;
     }
@@ -302,11 +322,14 @@ RayCounts& RayCounts::operator+=(const RayCounts& other) {
   return *this;
 }
 
-PathTracer::PathTracer(const TracedScene& scene, const SceneLights& lights, int bounces)
+PathTracer::PathTracer(const TracedScene& scene, const SceneLights& lights, int bounces,
+                       float indirect_limit)
     : scene_(scene),
       environment_(lights.studio, lights.environment),
       directional_(lights.directional),
-      bounces_(bounces) {
+      bounces_(bounces),
+      indirect_limit_(indirect_limit) {
+  if (!(indirect_limit > 0)) throw Error("the limit of indirect light must be positive");
   if (bounces < 0 || bounces > 64) {
     throw Error("bounces is " + std::to_string(bounces) + "; give a number from 0 to 64");
   }

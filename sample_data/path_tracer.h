@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -62,15 +63,20 @@ struct PathRay {
 /// Lamps are seen by every ray, camera rays too, and stand in no ray's way.
 class PathTracer {
  public:
-  /// The scene must outlive the tracer. Throws Error for an unusable environment map, for a
-  /// directional light whose direction is not unit length, and for `bounces` outside [0, 64].
-  PathTracer(const TracedScene& scene, const SceneLights& lights, int bounces);
+  /// The scene must outlive the tracer. `indirect_limit` is the most radiance that one path may
+  /// bring over two surfaces or more (with a counted bounce among them): a finite one cuts off what
+  /// few paths find by luck, caustics above all, and darkens the picture by what it cuts; all other
+  /// light is unbiased. Throws Error for an unusable environment map, for a directional light whose
+  /// direction is not unit length, for `bounces` outside [0, 64] and a limit that is not positive.
+  PathTracer(const TracedScene& scene, const SceneLights& lights, int bounces,
+             float indirect_limit = std::numeric_limits<float>::infinity());
 
   const TracedScene& scene() const { return scene_; }
   const EnvironmentLight& environment() const { return environment_; }
   const std::vector<LampLight32>& lamps() const { return lamps_; }
   const std::vector<DirectionalLight>& directional() const { return directional_; }
   int bounces() const { return bounces_; }
+  float indirect_limit() const { return indirect_limit_; }
 
   /// Traces a batch (about a thousand rays is good; neighbours should be near each other) and sets
   /// radiance[k] to ray k's estimate. A ray's estimate does not depend on the rest of the batch.
@@ -88,6 +94,7 @@ class PathTracer {
   std::vector<LampLight32> lamps_;
   std::vector<DirectionalLight> directional_;
   int bounces_;
+  float indirect_limit_;
 };
 
 }  // namespace lfm

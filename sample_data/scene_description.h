@@ -50,7 +50,7 @@ struct DirectionalLight {
 };
 
 /// Surroundings as a picture: equirectangular, float, linear RGB; column 0 looks along -x, the
-/// middle along +x, the top row up (+z).
+/// middle along +x, the top row up (+z), as an eye in the middle sees it: +y at a quarter.
 struct EnvironmentMap {
   std::shared_ptr<const Image> image;  ///< null: none
   float gain = 1;

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "sample_data/bsdf.h"
+#include "sample_data/microfacet.h"
 
 namespace lfm {
 namespace {
@@ -16,7 +17,7 @@ using V3f = Eigen::Vector3f;
 V3f AroundVertical(const V3f& n) {
   const V3f t(-n.y(), n.x(), 0);
   const float length2 = t.squaredNorm();
-  return length2 > 1e-8f ? V3f(t / std::sqrt(length2)) : V3f(1, 0, 0);
+  return length2 > 1e-8f ? V3f((1 / std::sqrt(length2)) * t) : V3f(1, 0, 0);
 }
 
 bool Mirrors(const Material& material) {
@@ -126,17 +127,17 @@ void TracedScene::FinishFrame(SurfacePoint& surface, V3f normal, const V3f* alon
   V3f n = side * normal;
   const V3f facet = side * surface.facet;
   const float facing = n.dot(to_eye);
-  if (facing < kGrazing) n = (n + (kGrazing - facing) * to_eye).normalized();
+  if (facing < kGrazing) n = UnitVector(n + (kGrazing - facing) * to_eye);
   if (Mirrors(surface.material)) {
     const V3f mirrored = 2 * n.dot(to_eye) * n - to_eye;
     const float low = std::min(0.9f * facet.dot(to_eye), 0.01f), out = mirrored.dot(facet);
-    if (out < low) n = ((mirrored + (low - out) * facet).normalized() + to_eye).normalized();
+    if (out < low) n = UnitVector(UnitVector(mirrored + (low - out) * facet) + to_eye);
   }
   surface.frame.z = side * n;
   const V3f t = along != nullptr ? *along : AroundVertical(surface.frame.z);
   V3f x = t - t.dot(surface.frame.z) * surface.frame.z;
   const float length = x.norm();
-  surface.frame.x = length > 1e-4f ? V3f(x / length) : V3f(surface.frame.z.unitOrthogonal());
+  surface.frame.x = length > 1e-4f ? V3f((1 / length) * x) : V3f(surface.frame.z.unitOrthogonal());
   surface.frame.y = surface.frame.z.cross(surface.frame.x);
 }
 
@@ -154,11 +155,11 @@ SurfacePoint TracedScene::SurfaceAt(int object, int triangle, float u, float v,
   surface.position = a + u * ab + v * ac;
   const V3f cross = ab.cross(ac);
   const float area = cross.norm();
-  surface.facet = area > 0 ? V3f(cross / area) : V3f(0, 0, 1);
+  surface.facet = area > 0 ? V3f((1 / area) * cross) : V3f(0, 0, 1);
   V3f normal =
       (1 - u - v) * corner(g.normals, 0) + u * corner(g.normals, 1) + v * corner(g.normals, 2);
   const float length = normal.norm();
-  normal = length > 1e-6f ? V3f(normal / length) : surface.facet;
+  normal = length > 1e-6f ? V3f((1 / length) * normal) : surface.facet;
   if (normal.dot(surface.facet) < 0) normal = surface.facet;
   const SceneObject& o = (*objects_)[object];
   surface.material =

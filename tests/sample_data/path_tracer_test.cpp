@@ -250,6 +250,24 @@ TEST(PathTracer, NoLightLeaksIntoAClosedBody) {
   }
 }
 
+// Light of one surface is left alone; light of two is held below the limit a path.
+TEST(PathTracer, IndirectLimitActsOnBouncedLightOnly) {
+  Stage stage;
+  stage.objects = {TestObject(TestSquare(100, 0), Diffuse(0.5f)),
+                   TestObject(TestBox({20, -80, 0}, {30, 80, 80}), Diffuse(0.9f))};
+  stage.lights.directional = {{V3f(-0.6f, 0, 0.8f), {9, 9, 9}}};
+  const TracedScene scene(stage.objects, {}, nullptr);
+  const auto seen = [&](int bounces, float limit) {
+    const PathTracer tracer(scene, stage.lights, bounces, limit);
+    return tracer.TraceRadiance({-60, 0, 60}, V3f(75, 0, -60).normalized(), 1024, 1, 0).x();
+  };
+  const float direct = 0.5f / static_cast<float>(kPi) * 9 * 0.8f;
+  EXPECT_NEAR(seen(0, 1e-3f), direct, 1e-4);
+  EXPECT_GT(seen(1, 1e9f), direct + 0.05f);
+  EXPECT_LE(seen(1, 0.01f), direct + 0.0101f);
+  EXPECT_GT(seen(1, 0.01f), direct + 0.001f);
+}
+
 TEST(PathTracer, BadLightsAreRefused) {
   Stage stage;
   stage.objects = {TestObject(TestSquare(10, 0), Diffuse(0.5f))};
