@@ -308,6 +308,19 @@ std::vector<V3d> ViewSphere(const FixedView& view, int count) {
   return eyes;
 }
 
+SceneDescription ShrinkField(SceneDescription scene) {
+  constexpr int kSide = 64, kLights = 24, kCube = 8, kViews = 4;
+  const double scale = std::min(1.0, static_cast<double>(kSide) /
+                                         std::max(scene.view.width, scene.view.height));
+  const auto shrink = [&](int side) { return std::max(1, static_cast<int>(scale * side)); };
+  scene.view.width = shrink(scene.view.width);
+  scene.view.height = shrink(scene.view.height);
+  scene.light_count = std::min(scene.light_count, kLights);
+  scene.cube_resolution = std::min(scene.cube_resolution, kCube);
+  scene.view_directions = std::min(scene.view_directions, kViews);
+  return scene;
+}
+
 Camera FixedCamera(const FixedView& view) {
   if (view.width < 1 || view.height < 1 || view.width > 16384 || view.height > 16384) {
     throw Error("a view has 1 to 16384 pixels a side");

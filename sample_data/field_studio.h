@@ -3,8 +3,11 @@
 
 #include <filesystem>
 
+#include <vector>
+
 #include "core/capture.h"
 #include "core/progress.h"
+#include "sample_data/path_tracer.h"
 #include "sample_data/scene_description.h"
 #include "sample_data/studio_options.h"
 
@@ -17,6 +20,10 @@ std::vector<Eigen::Vector3f> LightStageDirections(int count);
 /// Eyes evenly spread over the sphere round `view.target` through `view.eye`; the first is
 /// `view.eye` itself.
 std::vector<Eigen::Vector3d> ViewSphere(const FixedView& view, int count);
+
+/// The scene as `--tiny` records it: at most 64 pixels a side, 24 lights, a cube of 6 x 8 x 8, 4
+/// views.
+SceneDescription ShrinkField(SceneDescription scene);
 
 /// The pinhole camera of a fixed view, and where it stands. Throws Error for a size outside
 /// [1, 16384], a field of view outside (0, 170) degrees, or an eye at its target.

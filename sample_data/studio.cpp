@@ -14,14 +14,16 @@
 #include "core/parallel.h"
 #include "core/ply.h"
 #include "sample_data/camera_path.h"
-#include "sample_data/coat_shading.h"
 #include "sample_data/exports.h"
 #include "sample_data/exposed_picture.h"
-#include "sample_data/photo_renderer.h"
+#include "sample_data/field_studio.h"
 #include "sample_data/photo_shoot.h"
+#include "sample_data/photo_source.h"
 #include "sample_data/plate.h"
 #include "sample_data/random.h"
 #include "sample_data/scan_renderer.h"
+#include "sample_data/scene_file.h"
+#include "sample_data/scene_mesh.h"
 #include "sample_data/trouble_files.h"
 #include "scan/patterns.h"
 
@@ -30,6 +32,8 @@ namespace {
 
 constexpr const char* kPhotoCamera = "photo";
 constexpr const char* kScannerCamera = "scanner";
+// The scene whose light is baked.
+constexpr const char* kPaintedScene = "bust";
 // What white paper becomes where the plate is lit best, linear: bright, but never saturated.
 constexpr double kPaperLevel = 0.68;
 constexpr uint64_t kScanPictures = 1u << 20, kPlacementPictures = 1u << 21;
@@ -79,7 +83,9 @@ class Studio {
 
   StudioResult Run() {
     MakeObject();
-    result_.capture.name = options_.mesh.empty() ? "bust" : "mesh";
+    result_.capture.name = scene_description_ ? scene_description_->name
+                           : options_.mesh.empty() ? kPaintedScene
+                                                   : "mesh";
     result_.capture.board = "board.json";
     result_.truth.name = result_.capture.name + " (ground truth)";
     result_.truth.mesh = "mesh.ply";
@@ -93,14 +99,39 @@ class Studio {
  private:
   void MakeObject() {
     progress_.Start("shaping the object", 1);
-    subject_ = options_.mesh.empty()
-                   ? MakeBust(options_.edge_mm, seed_)
-                   : MakeSubject(ReadPlyMesh(options_.mesh), options_.mesh_height_mm,
-                                 options_.edge_mm, seed_);
+    if (!options_.mesh.empty()) {
+      subject_ = MakeSubject(ReadPlyMesh(options_.mesh), options_.mesh_height_mm, options_.edge_mm,
+                             seed_);
+    } else if (options_.scene == kPaintedScene) {
+      subject_ = MakeBust(options_.edge_mm, seed_);
+    } else {
+      scene_description_ = FindScene(
+          options_.scene, options_.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
+      for (const std::string& warning : scene_description_->warnings) progress_.Note(warning);
+      subject_.mesh = JoinObjects(scene_description_->objects);
+    }
     const Pose table{Eigen::Matrix3d::Identity(), {0, 0, -kPlateThicknessMm}};
     scene_ = std::make_unique<StudioScene>(&subject_.mesh,
                                            MakeBentPlateAndTable(board_, sag_mm_, table));
     progress_.Advance();
+  }
+
+  std::unique_ptr<PhotoSource> LightScene() {
+    if (scene_description_) {
+      constexpr int kUsualSamples = 16;
+      return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
+                              options_.SamplesPerPixel(kUsualSamples), seed_);
+    }
+    BakeOptions bake;
+    bake.seed = seed_;
+    bake.gather_rays = options_.SamplesPerPixel(bake.gather_rays);
+    if (options_.quality == RenderQuality::kReference) bake.rays_per_cell *= 4;
+    if (options_.tiny) {
+      bake.gather_rays /= 2;
+      bake.rays_per_cell = 4;
+      bake.plate_spacing_mm = 2;
+    }
+    return MakeBakedSource(*scene_, subject_, reflectance_, bake, progress_);
   }
 
   void TakePhotos() {
@@ -115,26 +146,17 @@ class Studio {
     std::vector<CameraStation> stations = MakeCameraPath(camera, subject_.mesh, path);
     DrawConditions(camera, stations);
 
-    const Lighting lighting = MakeStudioLighting();
-    BakeOptions bake;
-    bake.seed = seed_;
-    if (options_.tiny) {
-      bake.gather_rays = 64;
-      bake.rays_per_cell = 4;
-      bake.plate_spacing_mm = 2;
-    }
-    const BakedLight light = BakeLight(*scene_, subject_, lighting, reflectance_, bake, progress_);
-    const CoatShading shading(subject_, lighting, light);
+    const std::unique_ptr<PhotoSource> source = LightScene();
     const PixelRays rays(camera);
     const PhotoRenderer render = [&](const PixelRays& r, const Pose& camera_from_world) {
-      return RenderPhoto(*scene_, shading, reflectance_, r, camera_from_world);
+      return source->Render(r, camera_from_world);
     };
     const PhotoShoot shoot{rays,
-                           lighting,
+                           source->lighting(),
                            trouble,
                            render,
                            sensor_,
-                           static_cast<float>(kPaperLevel / BrightestPaper(light)),
+                           static_cast<float>(kPaperLevel / source->BrightestPaper()),
                            SubjectCenter(subject_.mesh),
                            seed_};
     progress_.Start("photographs", options_.photos);
@@ -147,6 +169,7 @@ class Studio {
       if (!photo.clean.empty()) sink_("ground_truth/photos/" + id + ".png", photo.clean);
       progress_.Advance();
     });
+    if (const std::string costs = source->Costs(); !costs.empty()) progress_.Note(costs);
     ListPhotos(camera, stations);
   }
 
@@ -182,18 +205,6 @@ class Studio {
       photo.camera_from_world = stations[i].camera_from_world;
       result_.truth.photos.push_back(photo);
     }
-  }
-
-  // Radiance of the best lit paper.
-  double BrightestPaper(const BakedLight& light) const {
-    float brightest = 0;
-    for (size_t p = 0; p < light.patches.size(); ++p) {
-      if (scene_->patches()[p].material != PatchMaterial::kPrint) continue;
-      for (const Eigen::Vector3f& e : light.patches[p].irradiance) {
-        brightest = std::max(brightest, e.maxCoeff());
-      }
-    }
-    return brightest * kPaperAlbedo / std::numbers::pi;
   }
 
   void TakeScans() {
@@ -283,6 +294,7 @@ class Studio {
   Sensor sensor_;
   Board board_;  // as printed
   SetReflectance reflectance_;
+  std::optional<SceneDescription> scene_description_;  // none: the subject is painted
   Subject subject_;
   std::unique_ptr<StudioScene> scene_;
   StudioResult result_;
@@ -322,6 +334,15 @@ StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
 
 void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
                  Progress& progress) {
+  if (options.mesh.empty() && options.scene != kPaintedScene) {
+    SceneDescription scene =
+        FindScene(options.scene, options.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
+    if (scene.kind != SceneKind::kLightField) {
+      if (options.tiny) scene = ShrinkField(std::move(scene));
+      MakeFieldCapture(scene, options, folder, progress);
+      return;
+    }
+  }
   ImageWriteOptions write;
   write.png_compression = 1;
   if (options.jpeg_quality > 0) write.jpeg_quality = options.jpeg_quality;
