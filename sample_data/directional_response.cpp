@@ -104,8 +104,8 @@ bool DirectionalResponse::Scatter(const SurfacePoint& point, Path& path) const {
   const auto dimension = static_cast<uint32_t>(2 * path.surfaces);
   const auto lobe = RandomPair(path.ray.key, dimension);
   const auto u = RandomPair(path.ray.key, dimension + 1);
-  const BsdfSample sample = SampleBsdf(
-      point.material, point.frame.Local(-path.ray.direction), lobe[0], u[0], u[1]);
+  const BsdfSample sample =
+      SampleBsdf(point.material, point.frame.Local(-path.ray.direction), lobe[0], u[0], u[1]);
   if (sample.weight.isZero()) return false;
   const V3f direction = point.frame.World(sample.direction).normalized();
   if (!OnSameSide(point, sample.direction, direction)) return false;

@@ -39,12 +39,10 @@ void ExposePictureRow(const Sensor& sensor, std::span<const float> row, uint64_t
   const auto line = static_cast<uint64_t>(y);
   switch (picture.type()) {
     case PixelType::kUint8:
-      ExposeRow(sensor, row.data(), count, seed, index, line,
-                &picture.At<uint8_t>(0, y));
+      ExposeRow(sensor, row.data(), count, seed, index, line, &picture.At<uint8_t>(0, y));
       return;
     case PixelType::kFloat32:
-      ExposeRowLinear(sensor, row.data(), count, seed, index, line,
-                      &picture.At<float>(0, y));
+      ExposeRowLinear(sensor, row.data(), count, seed, index, line, &picture.At<float>(0, y));
       return;
     case PixelType::kUint16:
       break;

@@ -12,8 +12,8 @@
 #include "core/ply.h"
 #include "core/transport_matrix.h"
 #include "sample_data/directional_response.h"
-#include "sample_data/exposed_picture.h"
 #include "sample_data/exports.h"
+#include "sample_data/exposed_picture.h"
 #include "sample_data/light_transport.h"
 #include "sample_data/scene_mesh.h"
 #include "sample_data/traced_photo.h"
@@ -35,12 +35,13 @@ std::vector<PathRay> PixelPaths(const Camera& camera, const Pose& camera_from_wo
                                 int samples, uint64_t seed) {
   const Eigen::Matrix3d world_from_camera = camera_from_world.rotation.transpose();
   const V3f eye = camera_from_world.Center().cast<float>();
-  const uint64_t pixel = static_cast<uint64_t>(y) * static_cast<uint64_t>(camera.width) +
-                         static_cast<uint64_t>(x);
+  const uint64_t pixel =
+      static_cast<uint64_t>(y) * static_cast<uint64_t>(camera.width) + static_cast<uint64_t>(x);
   std::vector<PathRay> rays;
   for (int s = 0; s < samples; ++s) {
-    const PathKey key{MakeSetKey(seed, kFieldStream, pixel << 16 | static_cast<uint64_t>(s / kSetSize)),
-                      static_cast<uint32_t>(s % kSetSize)};
+    const PathKey key{
+        MakeSetKey(seed, kFieldStream, pixel << 16 | static_cast<uint64_t>(s / kSetSize)),
+        static_cast<uint32_t>(s % kSetSize)};
     V3d place(x, y, 1);
     if (samples > 1) {
       const auto offset = RandomPair(key, 0xfffffffeu);
@@ -85,6 +86,17 @@ void StoreRow(const std::vector<float>& rgb, int channels, float* out) {
     }
     for (size_t c = 0; c < 3; ++c) out[c * texels + t] = rgb[3 * t + c];
   }
+}
+
+// A dim room with a bright window, up to the left of the eye.
+std::vector<float> PreviewLight(const CubeMap& cube) {
+  std::vector<float> light;
+  const V3f window = V3f(-0.5f, -0.5f, 0.7f).normalized();
+  for (int t = 0; t < cube.Texels(); ++t) {
+    const float cosine = cube.Direction(t).dot(window);
+    light.push_back(0.25f + 3.5f * std::exp(12 * (cosine - 1)));
+  }
+  return light;
 }
 
 class FieldStudio {
@@ -182,10 +194,10 @@ class FieldStudio {
     for (size_t l = 0; l < lights.size(); ++l) {
       char name[64];
       std::snprintf(name, sizeof(name), "fields/light_%03d", static_cast<int>(l));
-      field.pictures.push_back({name + PictureEnding(options_.trouble.photo.format),
-                                lights[l].cast<double>().normalized(),
-                                l % kHeldOutEvery == kHeldOutEvery / 2 ? PhotoSplit::kTest
-                                                                       : PhotoSplit::kTrain});
+      field.pictures.push_back(
+          {name + PictureEnding(options_.trouble.photo.format),
+           lights[l].cast<double>().normalized(),
+           l % kHeldOutEvery == kHeldOutEvery / 2 ? PhotoSplit::kTest : PhotoSplit::kTrain});
     }
     ParallelFor(0, static_cast<int64_t>(lights.size()), [&](int64_t l) {
       WriteImage(pictures[l], folder_ / field.pictures[l].file, write);
@@ -212,6 +224,8 @@ class FieldStudio {
     shape.cube_resolution = scene_.cube_resolution;
     shape.channels = options_.transport_channels;
     progress_.Start("light transport", shape.rows());
+    const std::vector<float> window = PreviewLight({scene_.cube_resolution});
+    preview_.resize(static_cast<size_t>(shape.rows()));
     WriteTransportMatrix(
         shape,
         [&](int64_t first, int64_t count, std::span<float> values) {
@@ -219,6 +233,9 @@ class FieldStudio {
           ParallelFor(0, count, [&](int64_t r) {
             std::vector<float> rgb(3 * static_cast<size_t>(shape.columns()), 0.0f);
             counts[r] = fill_row(first + r, rgb.data());
+            preview_[first + r] =
+                Eigen::Map<const Eigen::Matrix3Xf>(rgb.data(), 3, shape.columns()) *
+                Eigen::Map<const Eigen::VectorXf>(window.data(), shape.columns());
             StoreRow(rgb, shape.channels, &values[static_cast<size_t>(r * shape.row_values())]);
           });
           for (const RayCounts& c : counts) rays_ += c;
@@ -233,16 +250,20 @@ class FieldStudio {
     const TransportRow transport(traced_, MakeTransportOptions());
     RecordTransport(int64_t{camera.width} * camera.height, 1, [&](int64_t row, float* rgb) {
       RayCounts counts;
-      const auto paths =
-          PixelPaths(camera, pose, static_cast<int>(row % camera.width),
-                     static_cast<int>(row / camera.width), 1, seed_);
+      const auto paths = PixelPaths(camera, pose, static_cast<int>(row % camera.width),
+                                    static_cast<int>(row / camera.width), 1, seed_);
       transport.AddRay(paths[0].origin, paths[0].direction, static_cast<uint64_t>(row), 1, rgb,
                        &counts);
       return counts;
     });
+    Image preview(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+    for (size_t i = 0; i < preview.size(); ++i) {
+      preview.Data<uint8_t>()[i] = EncodeSrgb8(preview_[i / 3][static_cast<Eigen::Index>(i % 3)]);
+    }
+    WriteImage(preview, folder_ / "preview.png");
     ListCamera(camera);
-    capture_.transport = TransportField{
-        kMatrix, TransportKind::kImage, scene_.cube_resolution, kView, "", {}};
+    capture_.transport =
+        TransportField{kMatrix, TransportKind::kImage, scene_.cube_resolution, kView, "", {}};
   }
 
   void RecordTransportMesh(size_t vertices) {
@@ -266,8 +287,8 @@ class FieldStudio {
           traced_.SurfaceAt(place.object, place.triangle, weights[1], weights[2], to_eye);
       return transport.Add(surface, to_eye, static_cast<uint64_t>(row), 1, rgb);
     });
-    capture_.transport = TransportField{
-        kMatrix, TransportKind::kMesh, scene_.cube_resolution, "", "mesh.ply", eyes};
+    capture_.transport =
+        TransportField{kMatrix, TransportKind::kMesh, scene_.cube_resolution, "", "mesh.ply", eyes};
   }
 
   static constexpr const char* kMatrix = "transport.ltm";
@@ -280,6 +301,7 @@ class FieldStudio {
   uint64_t seed_;
   Capture capture_;
   RayCounts rays_;
+  std::vector<V3f> preview_;  // radiance of the rows under PreviewLight
 };
 
 }  // namespace
@@ -310,8 +332,8 @@ std::vector<V3d> ViewSphere(const FixedView& view, int count) {
 
 SceneDescription ShrinkField(SceneDescription scene) {
   constexpr int kSide = 64, kLights = 24, kCube = 8, kViews = 4;
-  const double scale = std::min(1.0, static_cast<double>(kSide) /
-                                         std::max(scene.view.width, scene.view.height));
+  const double scale =
+      std::min(1.0, static_cast<double>(kSide) / std::max(scene.view.width, scene.view.height));
   const auto shrink = [&](int side) { return std::max(1, static_cast<int>(scale * side)); };
   scene.view.width = shrink(scene.view.width);
   scene.view.height = shrink(scene.view.height);

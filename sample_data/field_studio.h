@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-
 #include <vector>
 
 #include "core/capture.h"
@@ -35,7 +34,8 @@ Pose FixedPose(const FixedView& view);
 /// - kReflectanceField: fields/light_NNN.EXT, one picture a light (white paint that faces the light
 ///   shows 0.8 of the sensor's full well), with the sensor's noise; every eighth light is held out.
 /// - kTransportImage, kTransportMesh: transport.ltm (core/transport_matrix.h), float16, one channel
-///   (the mean of R, G and B) or three; of a mesh also mesh.ply, the objects joined.
+///   (the mean of R, G and B) or three; of a mesh also mesh.ply, the objects joined, of an image
+///   preview.png, the scene in a dim room with a window.
 ///
 /// ground_truth/mesh.ply is the scene; exports as sample_data/exports.h. The same options give the
 /// same bytes whatever the number of threads. Throws Error for a kLightField scene.

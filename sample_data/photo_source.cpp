@@ -112,10 +112,9 @@ class TracedSource : public PhotoSource {
         return kHalfSideMm * (2 * static_cast<float>(k) / (kPointsAcross - 1) - 1);
       };
       const V3f origin(place(i % kPointsAcross), place(i / kPointsAcross), kAboveMm);
-      radiance[i] = tracer_
-                        .TraceRadiance(origin, -V3f::UnitZ(), kSamples, seed_,
-                                       static_cast<uint64_t>(i))
-                        .maxCoeff();
+      radiance[i] =
+          tracer_.TraceRadiance(origin, -V3f::UnitZ(), kSamples, seed_, static_cast<uint64_t>(i))
+              .maxCoeff();
     });
     // Not the very brightest, which is the luckiest too.
     std::sort(radiance.begin(), radiance.end());

@@ -83,7 +83,7 @@ class Studio {
 
   StudioResult Run() {
     MakeObject();
-    result_.capture.name = scene_description_ ? scene_description_->name
+    result_.capture.name = scene_description_      ? scene_description_->name
                            : options_.mesh.empty() ? kPaintedScene
                                                    : "mesh";
     result_.capture.board = "board.json";
@@ -100,13 +100,13 @@ class Studio {
   void MakeObject() {
     progress_.Start("shaping the object", 1);
     if (!options_.mesh.empty()) {
-      subject_ = MakeSubject(ReadPlyMesh(options_.mesh), options_.mesh_height_mm, options_.edge_mm,
-                             seed_);
+      subject_ =
+          MakeSubject(ReadPlyMesh(options_.mesh), options_.mesh_height_mm, options_.edge_mm, seed_);
     } else if (options_.scene == kPaintedScene) {
       subject_ = MakeBust(options_.edge_mm, seed_);
     } else {
-      scene_description_ = FindScene(
-          options_.scene, options_.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
+      scene_description_ =
+          FindScene(options_.scene, options_.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
       for (const std::string& warning : scene_description_->warnings) progress_.Note(warning);
       subject_.mesh = JoinObjects(scene_description_->objects);
     }
@@ -118,9 +118,9 @@ class Studio {
 
   std::unique_ptr<PhotoSource> LightScene() {
     if (scene_description_) {
-      constexpr int kUsualSamples = 16;
+      const int usual_samples = options_.tiny ? 4 : 16;
       return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
-                              options_.SamplesPerPixel(kUsualSamples), seed_);
+                              options_.SamplesPerPixel(usual_samples), seed_);
     }
     BakeOptions bake;
     bake.seed = seed_;
