@@ -50,7 +50,8 @@ Capture FullCapture(const std::filesystem::path& folder) {
   field.pictures = {{"lit/0.png", {0, 0, 1}, PhotoSplit::kTrain},
                     {"lit/1.png", Eigen::Vector3d(3, -1, 2).normalized(), PhotoSplit::kTest}};
   capture.reflectance_field = field;
-  capture.transport = TransportField{"t.ltm", TransportKind::kMesh, 32, "truth/mesh.ply"};
+  capture.transport = TransportField{
+      "t.ltm", TransportKind::kMesh, 32, "", "truth/mesh.ply", {{1, 2, 3}, {-4, 5, 0.5}}};
   return capture;
 }
 
@@ -131,6 +132,7 @@ TEST(Capture, SavingAndLoadingAreInverse) {
   EXPECT_EQ(loaded.transport->kind, TransportKind::kMesh);
   EXPECT_EQ(loaded.transport->cube_resolution, 32);
   EXPECT_EQ(loaded.transport->mesh, "truth/mesh.ply");
+  EXPECT_EQ(loaded.transport->eyes, saved.transport->eyes);
 }
 
 TEST(Capture, MinimalManifestLoads) {
@@ -274,6 +276,8 @@ TEST(Capture, EveryWrongTypeOrValueIsNamed) {
       {"/reflectance_field/pictures/0/split", "dev", "pictures[0].split: expected"},
       {"/transport/kind", "texture", "expected \"image\" or \"mesh\""},
       {"/transport/kind", "image", "mesh: belongs to kind \"mesh\" only"},
+      {"/transport/eyes", nlohmann::json::array(), "transport.eyes: is empty"},
+      {"/transport/eyes", {{1, 2}}, "transport.eyes: expected an array of rows of 3"},
       {"/transport/cube_resolution", 0, "transport.cube_resolution"},
       {"/transport/cube_resolution", 2048, "transport.cube_resolution"},
   };
