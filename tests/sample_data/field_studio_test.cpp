@@ -185,7 +185,7 @@ TEST_P(EveryScene, MakesACaptureThatLoads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(SceneNames()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& scene) { return scene.param; });
 
 }  // namespace
 }  // namespace lfm

@@ -95,7 +95,9 @@ TEST(Shapes, HemisphereAndBowlHaveTheBallsNormals) {
   ExpectGoodSolid(bowl, "bowl");
   for (size_t v = 0; v < dome.mesh.vertices.size(); ++v) {
     const V3& p = dome.mesh.vertices[v];
-    if (p.norm() > 49.99) ASSERT_NEAR(dome.mesh.normals[v].dot(p) / 50, 1, 1e-12);
+    if (p.norm() > 49.99) {
+      ASSERT_NEAR(dome.mesh.normals[v].dot(p) / 50, 1, 1e-12);
+    }
   }
   size_t inside = 0;
   for (size_t v = 0; v < bowl.mesh.vertices.size(); ++v) {
