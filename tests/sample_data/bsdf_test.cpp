@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "chi_square.h"
 #include "core/error.h"
 #include "sample_data/ggx.h"
 #include "sample_data/layer_albedo.h"
 #include "sample_data/microfacet.h"
 #include "sample_data/random.h"
+#include "tests/sample_data/chi_square.h"
 
 namespace lfm {
 namespace {

@@ -9,10 +9,10 @@
 #include <memory>
 #include <numbers>
 
-#include "chi_square.h"
 #include "core/error.h"
 #include "sample_data/random.h"
-#include "test_shapes.h"
+#include "tests/sample_data/chi_square.h"
+#include "tests/sample_data/test_shapes.h"
 
 namespace lfm {
 namespace {

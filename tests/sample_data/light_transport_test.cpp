@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "test_shapes.h"
+#include "tests/sample_data/test_shapes.h"
 
 namespace lfm {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "core/error.h"
-#include "test_shapes.h"
+#include "tests/sample_data/test_shapes.h"
 
 namespace lfm {
 namespace {
