@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -95,7 +96,9 @@ class ObjParser {
     if (stop != text.data() + text.size() || error == std::errc::invalid_argument) {
       Fail("the " + what + " is '" + std::string(words_[word].substr(0, 24)) + "', not a number");
     }
-    if (error != std::errc() || !std::isfinite(value)) Fail("the " + what + " is not finite");
+    // Beyond the range of doubles: next to nothing, or infinite.
+    if (error != std::errc()) value = std::strtod(std::string(text).c_str(), nullptr);
+    if (!std::isfinite(value)) Fail("the " + what + " is not finite");
     return value;
   }
 

@@ -19,7 +19,8 @@ struct TexturedMesh {
 /// relative indices, polygons fanned into triangles; all other statements (groups, materials,
 /// lines, curves) are skipped. A corner that pairs a position with other texture coordinates or
 /// another normal than before becomes a vertex of its own; uv and normals are kept only when every
-/// corner has them. Lines may be continued by a backslash.
+/// corner has them. Positions that no face names are left out. Lines may be continued by a
+/// backslash.
 ///
 /// Throws Error (file, line, cause) for a number that is none, not finite or missing, an index out
 /// of range, a face of fewer than three corners, a file without faces, and text that is not OBJ.
