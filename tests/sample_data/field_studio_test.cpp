@@ -145,9 +145,9 @@ TEST(FieldStudio, RefusesViewsThatShowNothing) {
 }
 
 // Every built-in scene, small, through the whole studio.
-class EveryScene : public testing::TestWithParam<std::string> {};
+class RecordedScene : public testing::TestWithParam<std::string> {};
 
-TEST_P(EveryScene, MakesACaptureThatLoads) {
+TEST_P(RecordedScene, MakesACaptureThatLoads) {
   const ScratchFolder scratch;
   StudioOptions options;
   options.scene = GetParam();
@@ -184,7 +184,7 @@ TEST_P(EveryScene, MakesACaptureThatLoads) {
   EXPECT_LT(black, static_cast<int64_t>(image.size()) * 9 / 10) << "a black picture";
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(SceneNames()),
+INSTANTIATE_TEST_SUITE_P(Scenes, RecordedScene, testing::ValuesIn(SceneNames()),
                          [](const auto& scene) { return scene.param; });
 
 }  // namespace
