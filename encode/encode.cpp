@@ -203,6 +203,7 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   DropEmptyTerms(result.terms_max, result.model);
   result.model = FillGutters(std::move(result.model));
   Summarize(figures, source, result);
+  result.singular_value_share.resize(result.terms_max);
   return result;
 }
 

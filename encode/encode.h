@@ -39,7 +39,7 @@ struct EncodeResult {
   /// hat-weighted it reads higher than the PSNR of a picture.
   double matrix_psnr_db = 0;
   double matrix_psnr_mean_only_db = 0;       ///< the same for the mean view alone
-  std::vector<double> singular_value_share;  ///< mean share of energy, term by term
+  std::vector<double> singular_value_share;  ///< mean share of energy, a term of the model each
   int unseen_triangles = 0;                  ///< filled from their neighbours
   int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
 };

@@ -13,19 +13,18 @@ constexpr int kMaxCount = std::numeric_limits<int>::max();
 
 }  // namespace
 
-int64_t SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
-  const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
-  WriteJson({{"terms_mean", result.terms_mean},
-             {"terms_max", result.terms_max},
-             {"model_bytes", model_bytes},
-             {"maps_bytes", result.maps_bytes},
-             {"compression_ratio", result.compression_ratio},
-             {"matrix_psnr_db", result.matrix_psnr_db},
-             {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
-             {"singular_value_share", result.singular_value_share},
-             {"unseen_triangles", result.unseen_triangles}},
-            folder / "encode.json");
-  return model_bytes;
+nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
+  const nlohmann::json figures = {{"terms_mean", result.terms_mean},
+                                  {"terms_max", result.terms_max},
+                                  {"model_bytes", WriteGlb(result.model, folder / "model.glb")},
+                                  {"maps_bytes", result.maps_bytes},
+                                  {"compression_ratio", result.compression_ratio},
+                                  {"matrix_psnr_db", result.matrix_psnr_db},
+                                  {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
+                                  {"singular_value_share", result.singular_value_share},
+                                  {"unseen_triangles", result.unseen_triangles}};
+  WriteJson(figures, folder / "encode.json");
+  return figures;
 }
 
 EncodeResult LoadEncode(const std::filesystem::path& folder) {

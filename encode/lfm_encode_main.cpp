@@ -47,7 +47,8 @@ int main(int argc, char** argv) {
     const std::filesystem::path work = work_folder;
     const lfm::EncodeResult result = lfm::Encode(
         lfm::LightField::Open(work / "resample" / "light_field.lfs"), options, progress);
-    const int64_t model_bytes = lfm::SaveEncode(result, work / "encode");
+    const int64_t model_bytes =
+        lfm::SaveEncode(result, work / "encode").at("model_bytes").get<int64_t>();
     progress.Note(Figures(result, model_bytes));
     if (!output.pictures) return;
     for (const lfm::EncodePicture& picture :

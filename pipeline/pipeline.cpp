@@ -196,16 +196,7 @@ StageJob EncodeJob(const Run& run) {
           [&run](const fs::path& folder) -> json {
             const EncodeResult result = Encode(LightField::Open(run.workspace.LightFieldFile()),
                                                run.options.encode, run.progress);
-            const int64_t model_bytes = SaveEncode(result, folder);
-            return {{"terms_mean", result.terms_mean},
-                    {"terms_max", result.terms_max},
-                    {"model_bytes", model_bytes},
-                    {"maps_bytes", result.maps_bytes},
-                    {"compression_ratio", result.compression_ratio},
-                    {"matrix_psnr_db", result.matrix_psnr_db},
-                    {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
-                    {"unseen_triangles", result.unseen_triangles},
-                    {"singular_value_share", result.singular_value_share}};
+            return SaveEncode(result, folder);
           }};
 }
 

@@ -56,9 +56,10 @@ class EncodeFiles : public ::testing::Test {
 
 TEST_F(EncodeFiles, SaveAndLoadAgree) {
   const EncodeResult result = Encode(field_.Source(), {.terms = 2}, SilentProgress());
-  const int64_t bytes = SaveEncode(result, work_ / "encode");
+  const nlohmann::json figures = SaveEncode(result, work_ / "encode");
   const EncodeResult back = LoadEncode(work_ / "encode");
-  EXPECT_EQ(back.model_bytes, bytes);
+  EXPECT_EQ(back.model_bytes, figures["model_bytes"].get<int64_t>());
+  EXPECT_EQ(back.model_bytes, static_cast<int64_t>(fs::file_size(work_ / "encode/model.glb")));
   EXPECT_EQ(back.maps_bytes, result.maps_bytes);
   EXPECT_EQ(back.terms_mean, result.terms_mean);
   EXPECT_EQ(back.terms_max, result.terms_max);
@@ -67,6 +68,19 @@ TEST_F(EncodeFiles, SaveAndLoadAgree) {
   EXPECT_EQ(back.matrix_psnr_mean_only_db, result.matrix_psnr_mean_only_db);
   EXPECT_EQ(back.singular_value_share, result.singular_value_share);
   EXPECT_EQ(back.unseen_triangles, result.unseen_triangles);
+}
+
+TEST_F(EncodeFiles, AModelWithFewerTermsThanWantedComesBack) {
+  const SyntheticLightField matte = MakeLightField(
+      MakeSphere(1), 6, 40, [](int) { return 4; },
+      [](const Eigen::Vector3d&, const Eigen::Vector3d&) -> Eigen::Vector3d {
+        return {0.5, 0.4, 0.3};
+      });
+  SaveEncode(Encode(matte.Source(), {.terms = 3}, SilentProgress()), work_ / "encode");
+  const EncodeResult back = LoadEncode(work_ / "encode");
+  EXPECT_LT(back.terms_max, 2);  // one at most, for what rounding the mean left over
+  EXPECT_EQ(back.model.terms, back.terms_max);
+  EXPECT_EQ(back.singular_value_share.size(), static_cast<size_t>(back.terms_max));
 }
 
 TEST_F(EncodeFiles, LoadRefusesDamagedFigures) {
