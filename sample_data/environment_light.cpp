@@ -102,11 +102,11 @@ EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& m
   std::vector<double> luminance(static_cast<size_t>(width_) * height_);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const V3f d = EnvironmentDirection({static_cast<float>(x), static_cast<float>(y)}, width_,
-                                         height_);
-      luminance[static_cast<size_t>(y) * width_ + x] = Luminance(
-          map.gain * PixelOf(*map.image, x, y) + (room_is_black_ ? V3f(0, 0, 0)
-                                                                 : room_.Environment(d)));
+      const V3f d =
+          EnvironmentDirection({static_cast<float>(x), static_cast<float>(y)}, width_, height_);
+      luminance[static_cast<size_t>(y) * width_ + x] =
+          Luminance(map.gain * PixelOf(*map.image, x, y) +
+                    (room_is_black_ ? V3f(0, 0, 0) : room_.Environment(d)));
     }
   }
   // Mean over a pixel of the bilinear interpolant: 1/8, 3/4, 1/8 along each axis.
@@ -115,14 +115,14 @@ EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& m
   density_.resize(luminance.size());
   std::vector<double> row_weights(height_), weights(width_);
   for (int y = 0; y < height_; ++y) {
-    const double band = std::cos(std::numbers::pi * y / height_) -
-                        std::cos(std::numbers::pi * (y + 1) / height_);
+    const double band =
+        std::cos(std::numbers::pi * y / height_) - std::cos(std::numbers::pi * (y + 1) / height_);
     row_weights[y] = 0;
     for (int x = 0; x < width_; ++x) {
       double mean = 0;
       for (int dy = -1; dy <= 1; ++dy) {
-        const double* row = &luminance[static_cast<size_t>(std::clamp(y + dy, 0, height_ - 1)) *
-                                       width_];
+        const double* row =
+            &luminance[static_cast<size_t>(std::clamp(y + dy, 0, height_ - 1)) * width_];
         const double line =
             0.75 * row[x] + 0.125 * (row[(x + 1) % width_] + row[(x + width_ - 1) % width_]);
         mean += (dy == 0 ? 0.75 : 0.125) * line;
@@ -134,8 +134,8 @@ EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& m
   }
   Accumulate(row_weights, rows_.data());
   for (int y = 0; y < height_; ++y) {
-    const double band = std::cos(std::numbers::pi * y / height_) -
-                        std::cos(std::numbers::pi * (y + 1) / height_);
+    const double band =
+        std::cos(std::numbers::pi * y / height_) - std::cos(std::numbers::pi * (y + 1) / height_);
     const float* columns = &columns_[static_cast<size_t>(y) * (width_ + 1)];
     for (int x = 0; x < width_; ++x) {
       // From the cumulative sums as they are stored, since these are what Draw follows.
@@ -221,8 +221,8 @@ EnvironmentMap MakeStudioEnvironment(int width) {
                V3f(1, 0.94f, 0.86f);
       value += 5 * soft(beside(2.75f), 0.07f, 0.02f) * soft(elevation - 0.4f, 0.4f, 0.03f) *
                V3f(0.95f, 0.97f, 1);
-      const float panes = (1 - soft(beside(-0.55f), 0.015f, 0.01f)) *
-                          (1 - soft(elevation - 0.5f, 0.015f, 0.01f));
+      const float panes =
+          (1 - soft(beside(-0.55f), 0.015f, 0.01f)) * (1 - soft(elevation - 0.5f, 0.015f, 0.01f));
       value += 3.2f * panes * soft(beside(-0.55f), 0.3f, 0.02f) *
                soft(elevation - 0.5f, 0.3f, 0.02f) * V3f(0.78f, 0.9f, 1.1f);
       for (int c = 0; c < 3; ++c) image.At<float>(x, y, c) = value[c];

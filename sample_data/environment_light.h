@@ -23,8 +23,8 @@ Eigen::Vector3f EnvironmentDirection(const Eigen::Vector2f& pixel, int width, in
 /// within a pixel, so that `Density` is exact, and positive wherever the radiance is.
 class EnvironmentLight {
  public:
-  /// Throws Error when the map's picture is not float RGB, has a negative or non-finite value, or is
-  /// zero everywhere, or when its gain is not positive and finite.
+  /// Throws Error when the map's picture is not float RGB, has a negative or non-finite value, or
+  /// is zero everywhere, or when its gain is not positive and finite.
   EnvironmentLight(const Lighting& room, const EnvironmentMap& map);
 
   /// Radiance that arrives out of `direction` (unit, away from the point).
