@@ -88,7 +88,7 @@ void DirectionalResponse::AskLights(const SurfacePoint& point, const Path& path,
     if (!OnSameSide(point, i, to_lights_[l])) continue;
     const V3f value = weight * irradiance_ *
                       path.throughput.cwiseProduct(EvaluateBsdf(point.material, o, i).value);
-    if (value.isZero()) continue;
+    if (value.isZero(0)) continue;
     lights[lanes] = l;
     values[lanes] = value;
     SetLane(packet, lanes++, TracedScene::Departure(point, to_lights_[l]), to_lights_[l]);
@@ -106,13 +106,13 @@ bool DirectionalResponse::Scatter(const SurfacePoint& point, Path& path) const {
   const auto u = RandomPair(path.ray.key, dimension + 1);
   const BsdfSample sample =
       SampleBsdf(point.material, point.frame.Local(-path.ray.direction), lobe[0], u[0], u[1]);
-  if (sample.weight.isZero()) return false;
+  if (sample.weight.isZero(0)) return false;
   const V3f direction = point.frame.World(sample.direction).normalized();
   if (!OnSameSide(point, sample.direction, direction)) return false;
   path.throughput = path.throughput.cwiseProduct(sample.weight);
   path.bounces += counts ? 1 : 0;
   if (point.material.kind == MaterialKind::kGlass) {
-    path.inside = sample.direction.z() < 0 && !point.material.absorption_per_mm.isZero();
+    path.inside = sample.direction.z() < 0 && !point.material.absorption_per_mm.isZero(0);
     path.absorption = point.material.absorption_per_mm;
   }
   path.ray.origin = TracedScene::Departure(point, direction);

@@ -91,7 +91,7 @@ V3f EnvironmentDirection(const Eigen::Vector2f& pixel, int width, int height) {
 
 EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& map)
     : room_(room), map_(map) {
-  room_is_black_ = room.sky.isZero() && room.wall.isZero() && room.ground.isZero();
+  room_is_black_ = room.sky.isZero(0) && room.wall.isZero(0) && room.ground.isZero(0);
   if (map.image == nullptr) return;
   if (!(map.gain > 0) || !std::isfinite(map.gain)) {
     throw Error("the environment map's gain must be positive; leave the map out for none");

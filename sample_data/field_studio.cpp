@@ -115,7 +115,9 @@ class FieldStudio {
 
   RayCounts Run() {
     std::error_code error;
-    std::filesystem::remove(folder_ / "capture.json", error);
+    for (const char* earlier : {"capture.json", "preview.png", "mesh.ply", kMatrix}) {
+      std::filesystem::remove(folder_ / earlier, error);
+    }
     const TriangleMesh mesh = JoinObjects(scene_.objects);
     switch (scene_.kind) {
       case SceneKind::kReflectanceField:

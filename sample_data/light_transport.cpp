@@ -45,7 +45,7 @@ void Deposit(float* row, int texel, const V3f& value) {
 float LobeWidth(const Material& m) {
   switch (m.kind) {
     case MaterialKind::kPhong:
-      return m.specular.isZero() ? 1 : std::sqrt(2 / (m.exponent + 2));
+      return m.specular.isZero(0) ? 1 : std::sqrt(2 / (m.exponent + 2));
     case MaterialKind::kConductor:
     case MaterialKind::kPlastic:
       return 2 * std::min(m.alpha_u, m.alpha_v);
@@ -183,7 +183,7 @@ void TransportRow::AddMiddles(Gathering& g) const {
         value += solid_angle * EvaluateBsdf(surface.material, g.o, i).value;
       }
     }
-    if (value.isZero()) continue;
+    if (value.isZero(0)) continue;
     value *= g.weight * part;
     for (int s = 0; s < side * side; ++s) {
       const V3f direction =
@@ -221,7 +221,7 @@ void TransportRow::AddRandomPoints(Gathering& g) const {
       const V3f direction = point / distance, i = surface.frame.Local(direction);
       if (!SameSide(surface, i, direction)) continue;
       const BsdfValue bsdf = EvaluateBsdf(surface.material, g.o, i);
-      if (bsdf.value.isZero()) continue;
+      if (bsdf.value.isZero(0)) continue;
       const float density = TexelDensity(options_, distance) +
                             static_cast<float>(std::max(1, options_.paths)) * bsdf.density;
       shadows.Add(scene_, TracedScene::Departure(surface, direction), direction, t,
@@ -248,14 +248,14 @@ void TransportRow::AddPaths(Gathering& g) const {
     const auto lobe = RandomPair(path.key, dimension), u = RandomPair(path.key, dimension + 1);
     const BsdfSample sample =
         SampleBsdf(point.material, point.frame.Local(back), lobe[0], u[0], u[1]);
-    if (sample.weight.isZero()) return false;
+    if (sample.weight.isZero(0)) return false;
     const V3f direction = point.frame.World(sample.direction).normalized();
     if (!SameSide(point, sample.direction, direction)) return false;
     path.throughput = path.throughput.cwiseProduct(sample.weight);
     path.index_ratio2 *= sample.index_ratio2;
     path.bounces += !Uncounted(point.material);
     if (point.material.kind == MaterialKind::kGlass) {
-      path.inside = sample.direction.z() < 0 && !point.material.absorption_per_mm.isZero();
+      path.inside = sample.direction.z() < 0 && !point.material.absorption_per_mm.isZero(0);
       path.absorption = point.material.absorption_per_mm;
     }
     path.asked = path.surfaces == 0 && !sample.delta;

@@ -230,7 +230,7 @@ class Batch {
       const V3f i = surface.frame.Local(light.to_light);
       if (!SameSide(surface, i, light.to_light)) continue;
       const V3f value = EvaluateBsdf(surface.material, o, i).value;
-      if (value.isZero()) continue;
+      if (value.isZero(0)) continue;
       const float share = all ? 1 : 1 / static_cast<float>(parallel);
       lamp_queues_[lamps + 1 + l].Add(
           TracedScene::Departure(surface, light.to_light), light.to_light, kFar,
@@ -246,7 +246,7 @@ class Batch {
     const V3f i = surface.frame.Local(direction);
     if (!SameSide(surface, i, direction)) return;
     const BsdfValue value = EvaluateBsdf(surface.material, o, i);
-    if (value.value.isZero()) return;
+    if (value.value.isZero(0)) return;
     const V3f light = paths_[index].throughput.cwiseProduct(value.value).cwiseProduct(radiance) *
                       (density / (density * density + value.density * value.density));
     const Path& path = paths_[index];
@@ -267,7 +267,7 @@ class Batch {
     const auto lobe = RandomPair(path.key, Pair(path, kLobe));
     const auto u = RandomPair(path.key, Pair(path, kDirection));
     const BsdfSample sample = SampleBsdf(surface.material, o, lobe[0], u[0], u[1]);
-    if (sample.weight.isZero()) return;
+    if (sample.weight.isZero(0)) return;
     const V3f direction = UnitVector(surface.frame.World(sample.direction));
     if (!SameSide(surface, sample.direction, direction)) return;
     path.throughput = path.throughput.cwiseProduct(sample.weight);
@@ -289,7 +289,7 @@ class Batch {
       return;
     }
     if (surface.material.kind == MaterialKind::kGlass) {
-      path.inside = sample.direction.z() < 0 && !surface.material.absorption_per_mm.isZero();
+      path.inside = sample.direction.z() < 0 && !surface.material.absorption_per_mm.isZero(0);
       path.absorption = surface.material.absorption_per_mm;
     }
     if (++path.surfaces >= kRouletteFrom) {

@@ -99,7 +99,7 @@ Pose AimAtBorder(const Camera& camera, const Pose& camera_from_world, const Eige
 std::vector<ExposureSample> ExposureSamples(const Pose& camera_from_world,
                                             const Eigen::Vector3d& travel_mm, double aperture_mm,
                                             double focus_depth_mm, int samples) {
-  if (aperture_mm <= 0 && travel_mm.isZero()) return {{camera_from_world, 0, 0}};
+  if (aperture_mm <= 0 && travel_mm.isZero(0)) return {{camera_from_world, 0, 0}};
   const std::vector<Eigen::Vector2d> lens = LensPoints(samples);
   const int stride = ScatteringStride(samples);
   std::vector<ExposureSample> exposures;
