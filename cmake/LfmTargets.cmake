@@ -17,6 +17,8 @@ if(LFM_WARNINGS_AS_ERRORS)
   target_compile_options(lfm_flags INTERFACE -Werror)
 endif()
 if(LFM_SANITIZE)
+  # GCC takes what the sanitizers add for reads of uninitialised values.
+  target_compile_options(lfm_flags INTERFACE -Wno-maybe-uninitialized)
   target_compile_options(lfm_flags INTERFACE -fsanitize=${LFM_SANITIZE} -fno-omit-frame-pointer
                                              -fno-sanitize-recover=undefined)
   target_link_options(lfm_flags INTERFACE -fsanitize=${LFM_SANITIZE})
