@@ -40,7 +40,11 @@ TexturedMesh Read(const std::filesystem::path& file) {
 }
 
 std::string Count(size_t count, const char* what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  std::string text = std::to_string(count);
+  text += ' ';
+  text += what;
+  if (count != 1) text += 's';
+  return text;
 }
 
 double CheckedExtent(const TriangleMesh& mesh, const std::string& file) {
@@ -144,7 +148,7 @@ void RepairNormals(ImportedMesh& imported) {
     mesh.normals[v] = computed[v];
     ++bad;
   }
-  if (bad > 0) imported.warnings.push_back("computed " + Count(bad, "normal") + " of no length");
+  if (bad > 0) imported.warnings.push_back(Count(bad, "normal") + " of no length computed anew");
 }
 
 }  // namespace
@@ -159,13 +163,13 @@ ImportedMesh ImportMesh(const std::filesystem::path& file) {
   const double extent = CheckedExtent(textured.mesh, name);
   ImportedMesh imported;
   if (const size_t flat = DropFlatTriangles(textured.mesh, extent); flat > 0) {
-    imported.warnings.push_back("dropped " + Count(flat, "triangle") + " of no area");
+    imported.warnings.push_back(Count(flat, "triangle") + " of no area dropped");
   }
   if (textured.mesh.triangles.empty()) {
     throw Error(name + ": the mesh has no triangle of any area");
   }
   if (const size_t unused = DropUnusedVertices(textured); unused > 0) {
-    imported.warnings.push_back("dropped points of no triangle: " + std::to_string(unused));
+    imported.warnings.push_back(std::string("dropped points of no triangle: ") + std::to_string(unused));
   }
   const MeshTopology topology = ExamineTopology(Welded(textured.mesh));
   if (topology.boundary_edges > 0) {

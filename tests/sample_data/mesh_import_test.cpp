@@ -89,7 +89,7 @@ TEST_F(MeshImportTest, RepairsAndSaysSo) {
   EXPECT_EQ(mesh.mesh.triangles.size(), 1u);
   EXPECT_EQ(mesh.mesh.vertices.size(), 3u);
   ASSERT_EQ(mesh.warnings.size(), 3u);
-  EXPECT_EQ(mesh.warnings[0], "dropped 2 triangles of no area");
+  EXPECT_EQ(mesh.warnings[0], "2 triangles of no area dropped");
   EXPECT_EQ(mesh.warnings[1], "dropped points of no triangle: 1");
   EXPECT_NE(mesh.warnings[2].find("holes: 3 open edges"), std::string::npos);
 }
