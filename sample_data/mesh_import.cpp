@@ -169,7 +169,8 @@ ImportedMesh ImportMesh(const std::filesystem::path& file) {
     throw Error(name + ": the mesh has no triangle of any area");
   }
   if (const size_t unused = DropUnusedVertices(textured); unused > 0) {
-    imported.warnings.push_back(std::string("dropped points of no triangle: ") + std::to_string(unused));
+    imported.warnings.push_back(std::string("dropped points of no triangle: ") +
+                                std::to_string(unused));
   }
   const MeshTopology topology = ExamineTopology(Welded(textured.mesh));
   if (topology.boundary_edges > 0) {
@@ -178,7 +179,7 @@ ImportedMesh ImportMesh(const std::filesystem::path& file) {
         "; it is rendered as it is");
   }
   if (!topology.manifold) {
-    imported.warnings.push_back(
+    imported.warnings.emplace_back(
         "the mesh is no clean surface: edges of more than two triangles, or neighbours that face "
         "opposite ways");
   }
