@@ -10,15 +10,11 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/photo_split.h"
 #include "core/pose.h"
+#include "core/reflectance_field.h"
 
 namespace lfm {
-
-/// What a photograph is for.
-enum class PhotoSplit {
-  kTrain,  ///< calibrates, and feeds the light field
-  kTest,  ///< held out: posed by its own tags once intrinsics are fixed, then used for scoring only
-};
 
 struct Photo {
   std::string id;      ///< unique among photos, scans and placements; becomes a file name
@@ -66,6 +62,8 @@ struct Capture {
   std::map<std::string, CaptureCamera> cameras;
   std::vector<Photo> photos;
   std::optional<Scanner> scanner;
+  std::optional<ReflectanceField> reflectance_field;
+  std::optional<TransportField> transport;
   std::string mesh;  ///< a mesh that the capture brings along, relative; else empty
 
   /// True when every camera's intrinsics, every photo's pose and a mesh are given: the
@@ -75,8 +73,9 @@ struct Capture {
 
 /// Reads and validates `folder/capture.json`. Missing keys, unknown keys, wrong types, repeated
 /// ids, ids that are no plain file names, unknown cameras, frame counts that differ from the roles,
-/// and paths that leave the folder (absolute, "..", or through a symbolic link) are Errors that
-/// name the place. Listed picture files need not exist yet: stages report those one by one.
+/// light directions that are not unit vectors, a reflectance field without pictures or with one
+/// twice, and paths that leave the folder (absolute, "..", or through a symbolic link) are Errors
+/// that name the place. Listed picture files need not exist yet: stages report those one by one.
 Capture LoadCapture(const std::filesystem::path& folder);
 /// Writes `folder/capture.json` atomically; the inverse of LoadCapture.
 void SaveCapture(const Capture& capture);

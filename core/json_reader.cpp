@@ -94,6 +94,23 @@ std::vector<double> JsonReader::Numbers(const std::string& key, size_t count) {
   return numbers;
 }
 
+std::vector<std::vector<double>> JsonReader::NumberRows(const std::string& key, size_t columns) {
+  const nlohmann::json& value = Get(key);
+  const std::string expected =
+      "expected an array of rows of " + std::to_string(columns) + " finite numbers";
+  if (!value.is_array()) Fail(key, expected);
+  std::vector<std::vector<double>> rows;
+  for (const nlohmann::json& row : value) {
+    if (!row.is_array() || row.size() != columns) Fail(key, expected);
+    rows.emplace_back();
+    for (const nlohmann::json& item : row) {
+      if (!item.is_number() || !std::isfinite(item.get<double>())) Fail(key, expected);
+      rows.back().push_back(item.get<double>());
+    }
+  }
+  return rows;
+}
+
 JsonReader JsonReader::Object(const std::string& key) {
   const nlohmann::json& value = Get(key);
   const std::string place = place_.empty() ? key : place_ + "." + key;

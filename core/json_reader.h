@@ -29,6 +29,8 @@ class JsonReader {
   std::string TextOr(const std::string& key, const std::string& otherwise);
   std::vector<std::string> Texts(const std::string& key);
   std::vector<double> Numbers(const std::string& key, size_t count);  ///< exactly `count`
+  /// An array of rows, `columns` finite numbers each; may be empty.
+  std::vector<std::vector<double>> NumberRows(const std::string& key, size_t columns);
   JsonReader Object(const std::string& key);
   std::vector<JsonReader> Objects(const std::string& key);  ///< an array of objects
   std::vector<std::string> Keys() const;

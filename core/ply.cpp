@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -184,6 +185,24 @@ TriangleMesh ReadPlyMesh(const std::filesystem::path& path) {
   mesh.triangles = Triangles(content, mesh.vertices.size(), file);
   ValidateMesh(mesh, file.c_str());
   return mesh;
+}
+
+std::vector<Eigen::Vector2f> ReadPlyTextureCoordinates(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const PlyContent content = ParsePly(ReadFile(path), file);
+  const PlyElement& vertices = Vertices(content, file);
+  for (const auto& [s, t] : {std::pair("s", "t"), {"u", "v"}, {"texture_u", "texture_v"}}) {
+    const PlyProperty *u = vertices.Find(s), *v = vertices.Find(t);
+    if (!u || !v || u->count_type || v->count_type) continue;
+    std::vector<Eigen::Vector2f> uv(vertices.count);
+    for (size_t i = 0; i < uv.size(); ++i) {
+      RequireFinite(u->values[i], "texture coordinate", i, file);
+      RequireFinite(v->values[i], "texture coordinate", i, file);
+      uv[i] = {static_cast<float>(u->values[i]), static_cast<float>(v->values[i])};
+    }
+    return uv;
+  }
+  return {};
 }
 
 PointCloud ReadPlyCloud(const std::filesystem::path& path) {

@@ -12,6 +12,9 @@ namespace lfm {
 /// properties x y z, nx ny nz, confidence (or quality), red green blue; others are skipped.
 /// Throws Error on truncated, oversized, inconsistent or non-finite content.
 TriangleMesh ReadPlyMesh(const std::filesystem::path& file);
+/// Texture coordinates a vertex: properties s t, u v or texture_u texture_v; empty when there are
+/// none. Throws Error as ReadPlyMesh does.
+std::vector<Eigen::Vector2f> ReadPlyTextureCoordinates(const std::filesystem::path& file);
 /// Reads the vertices of a PLY file as a cloud; faces are ignored. An empty cloud is no error here.
 PointCloud ReadPlyCloud(const std::filesystem::path& file);
 

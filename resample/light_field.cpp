@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/mapped_file.h"
 #include "resample/light_field_reader.h"
-#include "resample/mapped_file.h"
 #include "resample/weight_codec.h"
 
 namespace lfm {

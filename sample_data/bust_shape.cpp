@@ -4,43 +4,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "sample_data/shapes/implicit.h"
 
 namespace lfm {
 namespace {
 
 using V3 = Eigen::Vector3d;
 
-double SmoothCut(double body, double tool, double blend) {
-  return -SmoothUnion(-body, tool, blend);
-}
-
-double SmoothIntersection(double a, double b, double blend) { return -SmoothUnion(-a, -b, blend); }
-
-double Ellipsoid(const V3& p, const V3& center, const V3& radii) {
-  const V3 q = p - center;
-  const double k0 = q.cwiseQuotient(radii).norm();
-  const double k1 = q.cwiseQuotient(radii.cwiseProduct(radii)).norm();
-  return k1 > 1e-12 ? k0 * (k0 - 1) / k1 : -radii.minCoeff();
-}
-
-// A capsule whose radius goes from ra to rb.
-double Limb(const V3& p, const V3& a, const V3& b, double ra, double rb) {
-  const V3 ab = b - a;
-  const double t = std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
-  return (p - a - t * ab).norm() - (ra + t * (rb - ra));
-}
-
-// Left and right are the same: features are given for the side x > 0.
-V3 Mirrored(const V3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
-
 // The socle is a body of revolution: radius over height as a smooth profile.
 double Socle(const V3& p) {
-  const double r = std::hypot(p.x(), p.y());
   const auto disc = [&](double z, double radius, double half_height, double rounding) {
-    const double dr = r - radius + rounding, dz = std::abs(p.z() - z) - half_height + rounding;
-    return std::min(std::max(dr, dz), 0.0) + std::hypot(std::max(dr, 0.0), std::max(dz, 0.0)) -
-           rounding;
+    return RoundDisc(p, {0, 0, z}, radius, half_height, rounding);
   };
   const double foot = disc(1.5, 25, 4.0, 1.2);
   const double step = disc(6.6, 21.5, 1.6, 1.2);
@@ -154,11 +129,6 @@ double Cloth(const V3& p, double torso) {
 
 }  // namespace
 
-double SmoothUnion(double a, double b, double blend) {
-  const double h = std::max(0.0, blend - std::abs(a - b)) / blend;
-  return std::min(a, b) - h * h * blend * 0.25;
-}
-
 V3 BustHeadFrame(const V3& point_mm) {
   static const Eigen::Matrix3d head_from_bust =
       (Eigen::AngleAxisd(0.30, V3::UnitZ()) * Eigen::AngleAxisd(0.07, V3::UnitY()) *
@@ -167,6 +137,10 @@ V3 BustHeadFrame(const V3& point_mm) {
           .toRotationMatrix();
   return head_from_bust * (point_mm - V3(0, 0, 89.0));
 }
+
+double BustFaceDistance(const V3& point_in_head) { return Face(point_in_head); }
+
+double BustHairDistance(const V3& point_in_head) { return Hair(point_in_head); }
 
 BustParts BustPartDistances(const V3& point_mm) {
   // Parts farther away than any blend reaches are given by a bound: the value there only has to

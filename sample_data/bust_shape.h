@@ -22,11 +22,13 @@ double BustDistance(const Eigen::Vector3d& point_mm);
 /// forwards, z up, origin between the ears. For painting eyes and lips.
 Eigen::Vector3d BustHeadFrame(const Eigen::Vector3d& point_mm);
 
+/// The bust's head alone, in its own frame: about 40 mm wide, 45 high, 50 deep. Distances as above.
+/// Its skin is the skull with face and ears; its hair has curls, a band and a knot.
+double BustFaceDistance(const Eigen::Vector3d& point_in_head);
+double BustHairDistance(const Eigen::Vector3d& point_in_head);
+
 inline constexpr double kBustHeightMm = 120;
 /// Half extents of a box round the z axis that holds the bust.
 inline constexpr double kBustHalfWidthMm = 52;
-
-/// The smooth minimum (polynomial, Quilez): within `blend` of each other two bodies grow together.
-double SmoothUnion(double a, double b, double blend);
 
 }  // namespace lfm

@@ -97,6 +97,30 @@ Camera MakePhotoCamera(int width, int height) {
   return camera;
 }
 
+Camera ScaleDistortion(const Camera& camera, double factor) {
+  if (factor == 1) return camera;
+  Camera scaled = camera;
+  for (double Camera::*term : {&Camera::k1, &Camera::k2, &Camera::k3, &Camera::p1, &Camera::p2}) {
+    scaled.*term *= factor;
+  }
+  try {
+    for (double x : {-1.0, static_cast<double>(camera.width)}) {
+      for (double y : {-1.0, static_cast<double>(camera.height)}) Unproject(scaled, {x, y});
+    }
+  } catch (const Error&) {
+    throw Error("a lens with " + std::to_string(factor) +
+                " times the usual distortion folds over inside the picture; choose a distortion "
+                "nearer to 1");
+  }
+  return scaled;
+}
+
+Eigen::Vector3d SubjectCenter(const TriangleMesh& subject) {
+  double top = 0;
+  for (const V3& p : subject.vertices) top = std::max(top, p.z());
+  return {0, 0, 0.47 * top};
+}
+
 std::vector<CameraStation> MakeCameraPath(const Camera& camera, const TriangleMesh& subject,
                                           const CameraPathOptions& options) {
   if (options.test_photos > options.photos) {

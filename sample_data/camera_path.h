@@ -33,6 +33,13 @@ struct CameraStation {
 /// The photographs' camera: 960 x 720 by default, about 47 degrees wide, Brown distortion.
 Camera MakePhotoCamera(int width, int height);
 
+/// The camera with its distortion coefficients times `factor`. Throws Error when such a lens folds
+/// over inside the picture.
+Camera ScaleDistortion(const Camera& camera, double factor);
+
+/// Where photographs are aimed at and focused: on the axis, at 0.47 of the subject's height.
+Eigen::Vector3d SubjectCenter(const TriangleMesh& subject);
+
 /// Stations evenly over the hemisphere between the elevations (spherical Fibonacci lattice with
 /// jitter), each aimed near the subject's centre and rolled, every vertex of the subject inside the
 /// picture by a margin of 1 % of its height. Test stations are spread evenly among them, away from

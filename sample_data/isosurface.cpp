@@ -97,8 +97,9 @@ int EdgeBetween(int a, int b) {
 }
 
 // Groups a cell's crossed edges into the sheets of surface that pass through it. On a face with
-// four crossings, inside corners are kept apart; the neighbour decides alike, so sheets match.
-std::array<int, 12> FindSheets(const std::array<float, 8>& v) {
+// four crossings, inside corners are kept apart, or joined where `joined_faces` has its bit; the
+// neighbour decides alike, so sheets match.
+std::array<int, 12> FindSheets(const std::array<float, 8>& v, unsigned joined_faces) {
   std::array<int, 12> sheet;
   for (int e = 0; e < 12; ++e) sheet[e] = (v[kEdges[e][0]] < 0) != (v[kEdges[e][1]] < 0) ? e : -1;
   const auto join = [&](int a, int b) {
@@ -107,7 +108,8 @@ std::array<int, 12> FindSheets(const std::array<float, 8>& v) {
       if (s == from) s = to;
     }
   };
-  for (const auto& face : kFaces) {
+  for (int f = 0; f < 6; ++f) {
+    const auto& face = kFaces[f];
     int crossed[4], count = 0;
     for (int i = 0; i < 4; ++i) {
       const int e = EdgeBetween(face[i], face[(i + 1) % 4]);
@@ -116,12 +118,30 @@ std::array<int, 12> FindSheets(const std::array<float, 8>& v) {
     if (count == 2) join(crossed[0], crossed[1]);
     if (count == 4) {
       // crossed[i] runs from corner i to i + 1; the two edges at an inside corner belong together.
-      const int first = v[face[0]] < 0 ? 0 : 1;
+      const int first = (v[face[0]] < 0) != (joined_faces >> f & 1) ? 0 : 1;
       join(crossed[first], crossed[(first + 3) % 4]);
       join(crossed[(first + 1) % 4], crossed[(first + 2) % 4]);
     }
   }
   return sheet;
+}
+
+// The faces (a bit each) with four crossings that all belong to one sheet of this cell. Where the
+// cell beyond finds the same, four quads would share one edge: there the inside corners must be
+// joined instead, which splits the sheet in both (manifold dual contouring, Wenger 2013).
+unsigned FindPinchedFaces(const std::array<float, 8>& v) {
+  const std::array<int, 12> sheets = FindSheets(v, 0);
+  unsigned pinched = 0;
+  for (int f = 0; f < 6; ++f) {
+    bool one_sheet = true;
+    const int first = sheets[EdgeBetween(kFaces[f][0], kFaces[f][1])];
+    for (int i = 0; i < 4; ++i) {
+      const int sheet = sheets[EdgeBetween(kFaces[f][i], kFaces[f][(i + 1) % 4])];
+      one_sheet = one_sheet && sheet >= 0 && sheet == first;
+    }
+    if (one_sheet) pinched |= 1u << f;
+  }
+  return pinched;
 }
 
 // One vertex for every sheet in every cell, at the mean of its edge crossings.
@@ -131,9 +151,15 @@ struct Net {
   TriangleMesh mesh;
 };
 
-Net PlaceVertices(const Samples& s) {
-  Net net;
-  net.active_of_cell.assign(s.values.size(), -1);
+struct ActiveCell {
+  int x, y, z;
+  std::array<float, 8> values;
+  unsigned pinched;
+};
+
+std::vector<ActiveCell> FindActiveCells(const Samples& s, std::vector<int>& active_of_cell) {
+  std::vector<ActiveCell> cells;
+  active_of_cell.assign(s.values.size(), -1);
   for (int z = 0; z + 1 < s.nz; ++z) {
     for (int y = 0; y + 1 < s.ny; ++y) {
       for (int x = 0; x + 1 < s.nx; ++x) {
@@ -144,27 +170,48 @@ Net PlaceVertices(const Samples& s) {
           inside += v[c] < 0;
         }
         if (inside == 0 || inside == 8) continue;
-        const std::array<int, 12> sheets = FindSheets(v);
-        std::array<int, 12> vertices;
-        vertices.fill(-1);
-        for (int sheet = 0; sheet < 12; ++sheet) {
-          V3 sum = V3::Zero();
-          int count = 0;
-          for (int e = 0; e < 12; ++e) {
-            if (sheets[e] != sheet) continue;
-            const int a = kEdges[e][0], b = kEdges[e][1];
-            const double t = v[a] / (v[a] - v[b]);
-            const V3 ca(a & 1, a >> 1 & 1, a >> 2), cb(b & 1, b >> 1 & 1, b >> 2);
-            sum += ca + t * (cb - ca);
-            ++count;
-            vertices[e] = static_cast<int>(net.mesh.vertices.size());
-          }
-          if (count > 0) net.mesh.vertices.push_back(s.Corner(x, y, z) + s.cell * sum / count);
-        }
-        net.active_of_cell[s.Index(x, y, z)] = static_cast<int>(net.vertex_of_edge.size());
-        net.vertex_of_edge.push_back(vertices);
+        active_of_cell[s.Index(x, y, z)] = static_cast<int>(cells.size());
+        cells.push_back({x, y, z, v, FindPinchedFaces(v)});
       }
     }
+  }
+  return cells;
+}
+
+Net PlaceVertices(const Samples& s) {
+  Net net;
+  const std::vector<ActiveCell> cells = FindActiveCells(s, net.active_of_cell);
+  for (const ActiveCell& cell : cells) {
+    unsigned joined = 0;
+    for (int f = 0; f < 6; ++f) {
+      if (!(cell.pinched >> f & 1)) continue;
+      // Faces come in pairs: below and above along x, y, z.
+      Eigen::Vector3i beyond(cell.x, cell.y, cell.z);
+      beyond[f / 2] += f % 2 ? 1 : -1;
+      if (beyond.minCoeff() < 0) continue;
+      const int other = net.active_of_cell[s.Index(beyond.x(), beyond.y(), beyond.z())];
+      if (other >= 0 && (cells[other].pinched >> (f ^ 1) & 1)) joined |= 1u << f;
+    }
+    const std::array<int, 12> sheets = FindSheets(cell.values, joined);
+    std::array<int, 12> vertices;
+    vertices.fill(-1);
+    for (int sheet = 0; sheet < 12; ++sheet) {
+      V3 sum = V3::Zero();
+      int count = 0;
+      for (int e = 0; e < 12; ++e) {
+        if (sheets[e] != sheet) continue;
+        const int a = kEdges[e][0], b = kEdges[e][1];
+        const double t = cell.values[a] / (cell.values[a] - cell.values[b]);
+        const V3 ca(a & 1, a >> 1 & 1, a >> 2), cb(b & 1, b >> 1 & 1, b >> 2);
+        sum += ca + t * (cb - ca);
+        ++count;
+        vertices[e] = static_cast<int>(net.mesh.vertices.size());
+      }
+      if (count > 0) {
+        net.mesh.vertices.push_back(s.Corner(cell.x, cell.y, cell.z) + s.cell * sum / count);
+      }
+    }
+    net.vertex_of_edge.push_back(vertices);
   }
   return net;
 }

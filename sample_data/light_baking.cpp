@@ -98,7 +98,7 @@ Gathered GatherSurroundings(const StudioScene& scene, const Lighting& lighting,
         radiance = radiosity->Radiance(hit, origin + hit.distance * d);
       }
       sum.irradiance += kPi / static_cast<float>(rays) * radiance;
-      if (with_harmonics == GatherHarmonics::kNo || radiance.isZero()) continue;
+      if (with_harmonics == GatherHarmonics::kNo || radiance.isZero(0)) continue;
       const float weight = kPi / (cosines[lane] * static_cast<float>(rays));
       const V3f mirrored = d - 2 * d.dot(normal) * normal;
       const auto above = EvaluateHarmonics(d), below = EvaluateHarmonics(mirrored);

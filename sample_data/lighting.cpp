@@ -12,9 +12,12 @@ Eigen::Vector3f Lighting::Environment(const Eigen::Vector3f& direction) const {
   const float up = std::clamp(direction.z(), -1.0f, 1.0f);
   const Eigen::Vector3f& end = up > 0 ? sky : ground;
   const float t = std::abs(up);
-  // Two broad, soft bright walls, so that the room is not the same all round.
-  const float azimuth = std::atan2(direction.y(), direction.x());
-  const float walls = 1 + 0.5f * std::sin(2 * azimuth + 0.7f) * (1 - t);
+  // Two broad, soft bright walls, so that the room is not the same all round: the sine of
+  // 2 azimuth + 0.7, without the azimuth.
+  const float x = direction.x(), y = direction.y(), planar = x * x + y * y;
+  const float sine =
+      planar > 1e-12f ? (0.764842187f * 2 * x * y + 0.644217687f * (x * x - y * y)) / planar : 0;
+  const float walls = 1 + 0.5f * sine * (1 - t);
   return walls * wall + t * (end - wall);
 }
 

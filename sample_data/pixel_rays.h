@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "core/camera.h"
@@ -16,11 +17,14 @@ class PixelRays {
   explicit PixelRays(const Camera& camera);
 
   const Camera& camera() const { return camera_; }
+  /// The same rays with (shift_x, shift_y) added to every normalised coordinate: those of a point
+  /// of the lens away from its middle (ExposureSamples). Cheap; the tables are shared.
+  PixelRays Shifted(float shift_x, float shift_y) const;
   /// Direction in the camera frame, z = 1, through (x + dx, y + dy).
   Eigen::Vector3f Direction(int x, int y, float dx, float dy) const {
-    const Entry& e = entries_[static_cast<size_t>(y) * camera_.width + x];
-    return {e.x + dx * e.x_by_column + dy * e.x_by_row, e.y + dx * e.y_by_column + dy * e.y_by_row,
-            1.0f};
+    const Entry& e = (*entries_)[static_cast<size_t>(y) * camera_.width + x];
+    return {e.x + dx * e.x_by_column + dy * e.x_by_row + shift_x_,
+            e.y + dx * e.y_by_column + dy * e.y_by_row + shift_y_, 1.0f};
   }
 
  private:
@@ -28,7 +32,8 @@ class PixelRays {
     float x, y, x_by_column, x_by_row, y_by_column, y_by_row;
   };
   Camera camera_;
-  std::vector<Entry> entries_;
+  std::shared_ptr<const std::vector<Entry>> entries_;
+  float shift_x_ = 0, shift_y_ = 0;
 };
 
 /// Points of a pixel that its value is averaged over, relative to its centre, in [-1/2, 1/2]: all

@@ -27,6 +27,7 @@ struct SurfacePoint {
   V3f point = V3f::Zero(), normal = V3f::Zero();
   float albedo = 0;
   bool bounces = false;  // bright enough to pass light on
+  bool spreads = false;  // light inside itself
 };
 
 class ScanTracer {
@@ -93,7 +94,7 @@ class ScanTracer {
                      .normalized()
                      .cast<float>();
       p.albedo = static_cast<float>(kPaintAlbedo);
-      p.bounces = true;
+      p.bounces = p.spreads = true;
     } else {
       const Patch& patch = subject_.scene->patches()[hit.patch];
       p.normal = patch.Normal().cast<float>();
@@ -136,10 +137,58 @@ class ScanTracer {
                                       : Eigen::Vector2d(0, 0);
     for (int s = 0; s < kFineSamples; ++s) {
       if (!(weights[s] > 0) || StudioScene::Blocked(packet, s)) continue;
-      patterns_.Accumulate({MakeSpan(pixels[s].x(), width.x(), projector_.width),
-                            MakeSpan(pixels[s].y(), width.y(), projector_.height), weights[s]},
-                           sums);
+      Show(points[s], pixels[s], width, weights[s], sums);
     }
+  }
+
+  // Adds what the projector shows around `pixel`.
+  void Show(const SurfacePoint& point, const Eigen::Vector2d& pixel, const Eigen::Vector2d& width,
+            float weight, float* sums) const {
+    if (exposure_.subsurface_mm <= 0 || !point.spreads) {
+      patterns_.Accumulate({patterns_.ColumnSpan(pixel.x(), width.x()),
+                            patterns_.RowSpan(pixel.y(), width.y()), weight},
+                           sums);
+      return;
+    }
+    // A Gaussian in the tangent plane is one along each of the projector's axes; columns and rows
+    // are looked up apart, so both may be stepped through together.
+    const Eigen::Vector2d sigma = exposure_.subsurface_mm * PixelsPerMm(point);
+    constexpr double kReach = 3.5;  // sigmas
+    const int steps = std::clamp(static_cast<int>(2 * kReach * sigma.maxCoeff()), 14, 256);
+    double total = 0;
+    for (int i = 0; i <= steps; ++i) total += GaussianStep(i, steps, kReach);
+    for (int i = 0; i <= steps; ++i) {
+      const double offset = kReach * (2.0 * i / steps - 1);
+      const Eigen::Vector2d spacing = (2 * kReach / steps) * sigma;
+      patterns_.Accumulate(
+          {patterns_.ColumnSpan(pixel.x() + offset * sigma.x(), std::max(width.x(), spacing.x())),
+           patterns_.RowSpan(pixel.y() + offset * sigma.y(), std::max(width.y(), spacing.y())),
+           weight * static_cast<float>(GaussianStep(i, steps, kReach) / total)},
+          sums);
+    }
+  }
+
+  static double GaussianStep(int i, int steps, double reach) {
+    const double offset = reach * (2.0 * i / steps - 1);
+    return std::exp(-0.5 * offset * offset);
+  }
+
+  // How far the projector's column, and row, move at most for a step of 1 mm on the surface.
+  Eigen::Vector2d PixelsPerMm(const SurfacePoint& point) const {
+    constexpr float kStepMm = 0.05f;
+    const V3f& n = point.normal;
+    const V3f helper = std::abs(n.z()) < 0.9f ? V3f(0, 0, 1) : V3f(1, 0, 0);
+    const V3f t = helper.cross(n).normalized(), b = n.cross(t);
+    Eigen::Vector2d squares(0, 0);
+    for (const V3f& axis : {t, b}) {
+      const auto ahead = Project(
+          projector_, projector_from_world_ * (point.point + kStepMm * axis).cast<double>());
+      const auto behind = Project(
+          projector_, projector_from_world_ * (point.point - kStepMm * axis).cast<double>());
+      if (!ahead || !behind) continue;
+      squares += ((*ahead - *behind) / (2 * kStepMm)).cwiseAbs2();
+    }
+    return squares.cwiseSqrt();
   }
 
   // One cosine-distributed ray a sample. Returns the mean of albedo times the share of the room
@@ -193,61 +242,12 @@ class ScanTracer {
 
 }  // namespace
 
-PatternTable::PatternTable(const PatternSequence& sequence)
-    : frames_(static_cast<int>(sequence.patterns.size())) {
-  std::vector<int> rows;
-  for (int f = 0; f < frames_; ++f) {
-    const Pattern& pattern = sequence.patterns[f];
-    const bool constant =
-        pattern.kind == PatternKind::kWhite || pattern.kind == PatternKind::kBlack;
-    (pattern.axis == PatternAxis::kRow && !constant ? rows : frame_of_slot_).push_back(f);
-  }
-  column_slots_ = static_cast<int>(frame_of_slot_.size());
-  row_slots_ = static_cast<int>(rows.size());
-  by_column_.resize(static_cast<size_t>(sequence.projector_width) * column_slots_);
-  by_row_.resize(static_cast<size_t>(sequence.projector_height) * row_slots_);
-  for (int column = 0; column < sequence.projector_width; ++column) {
-    for (int i = 0; i < column_slots_; ++i) {
-      by_column_[static_cast<size_t>(column) * column_slots_ + i] = static_cast<float>(
-          PatternValue(sequence, sequence.patterns[frame_of_slot_[i]], column, 0));
-    }
-  }
-  for (int row = 0; row < sequence.projector_height; ++row) {
-    for (int i = 0; i < row_slots_; ++i) {
-      by_row_[static_cast<size_t>(row) * row_slots_ + i] =
-          static_cast<float>(PatternValue(sequence, sequence.patterns[rows[i]], 0, row));
-    }
-  }
-  frame_of_slot_.insert(frame_of_slot_.end(), rows.begin(), rows.end());
-}
-
-void PatternTable::AddSpan(const std::vector<float>& table, int slots, const ProjectedSpan& span,
-                           float weight, float* sums) {
-  const float* values = table.data() + static_cast<size_t>(span.index) * slots;
-  const float first = weight * (1 - span.share);
-  for (int i = 0; i < slots; ++i) sums[i] += first * values[i];
-  if (span.share <= 0) return;
-  const float second = weight * span.share;
-  values += slots;
-  for (int i = 0; i < slots; ++i) sums[i] += second * values[i];
-}
-
-void PatternTable::Accumulate(const ProjectedSample& sample, float* sums) const {
-  AddSpan(by_column_, column_slots_, sample.column, sample.weight, sums);
-  AddSpan(by_row_, row_slots_, sample.row, sample.weight, sums + column_slots_);
-}
-
-ProjectedSpan MakeSpan(double center, double width, int count) {
-  const double half = 0.5 * std::clamp(width, 1e-6, 1.0);
-  // In the frame where pixel i covers [i, i + 1).
-  const double low = std::clamp(center + 0.5 - half, 0.0, count - 1e-9);
-  const double high = std::clamp(center + 0.5 + half, low, count - 1e-9);
-  ProjectedSpan span;
-  span.index = static_cast<int>(low);
-  if (static_cast<int>(high) > span.index) {
-    span.share = static_cast<float>((high - static_cast<int>(high)) / (high - low));
-  }
-  return span;
+ScanExposure MakeScanExposure(const ScanTrouble& trouble) {
+  ScanExposure exposure;
+  exposure.white *= trouble.exposure_factor;
+  exposure.ambient = trouble.ambient_light * trouble.exposure_factor;
+  exposure.subsurface_mm = trouble.subsurface_mm;
+  return exposure;
 }
 
 std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,

@@ -7,59 +7,31 @@
 #include "core/image.h"
 #include "core/pose.h"
 #include "core/triangle_mesh.h"
+#include "sample_data/pattern_table.h"
 #include "sample_data/pixel_rays.h"
 #include "sample_data/scan_rig.h"
 #include "sample_data/sensor.h"
 #include "sample_data/studio_scene.h"
-#include "scan/patterns.h"
+#include "sample_data/trouble.h"
 
 namespace lfm {
 
-/// How bright the scanner's pictures are.
+/// How bright the scanner's pictures are, and how the paint spreads light.
 struct ScanExposure {
   double white = 0.82;     ///< linear value of painted surface facing the projector, at kNearMm
   double ambient = 0.015;  ///< linear value that an unshadowed painted surface has in the dark
+  /// Light that enters the paint at one point leaves at another, a Gaussian of this sigma away in
+  /// the tangent plane. Each point of the painted object shows the pattern so averaged; spreading
+  /// over edges and shadow borders is left out, and so is the pattern's change of scale within the
+  /// blur. The printed plate does not spread light.
+  double subsurface_mm = 0;
 };
+/// Exposure of the scanner under `trouble`: ambient light, and both times the exposure factor.
+ScanExposure MakeScanExposure(const ScanTrouble& trouble);
 /// Depth before the projector that `ScanExposure::white` is meant for.
 inline constexpr double kNearMm = 395;
 /// Albedo of the matt white paint.
 inline constexpr double kPaintAlbedo = 0.80;
-
-/// A stretch of the projector's columns (or rows): `index`, and `share` of it on the one after.
-struct ProjectedSpan {
-  int index = 0;
-  float share = 0;
-};
-
-/// The stretch [center - width / 2, center + width / 2] over pixels of unit width, at most one
-/// pixel wide and inside [0, count).
-ProjectedSpan MakeSpan(double center, double width, int count);
-
-/// One sample of a pixel under the projector: light proportional to `weight` times what the
-/// projector shows at its columns and rows.
-struct ProjectedSample {
-  ProjectedSpan column, row;
-  float weight = 0;
-};
-
-/// What a pattern sequence shows at each projector column and row, for all frames at once.
-class PatternTable {
- public:
-  explicit PatternTable(const PatternSequence& sequence);
-  int frames() const { return frames_; }
-  /// sums[f] += weight * mean of PatternValue of frame f over the sample's span, for all frames.
-  void Accumulate(const ProjectedSample& sample, float* sums) const;
-  /// Frames as Accumulate orders them, to manifest order: the frame of slot i.
-  const std::vector<int>& frame_of_slot() const { return frame_of_slot_; }
-
- private:
-  static void AddSpan(const std::vector<float>& table, int slots, const ProjectedSpan& span,
-                      float weight, float* sums);
-
-  int frames_ = 0, column_slots_ = 0, row_slots_ = 0;
-  std::vector<int> frame_of_slot_;
-  std::vector<float> by_column_, by_row_;
-};
 
 /// The set under the scanner: the object painted white, or none.
 struct ScanSubject {

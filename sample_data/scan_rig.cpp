@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sample_data/random.h"
 #include "sample_data/studio_scene.h"
 
 namespace lfm {
@@ -75,6 +76,35 @@ std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg) {
                                 V3(0, 0, kTargetHeightMm)));
   }
   return poses;
+}
+
+std::vector<Pose> TroubleScanPoses(const std::vector<Pose>& poses, double axis_tilt_deg,
+                                   double wobble_mm, uint64_t seed) {
+  if (axis_tilt_deg == 0 && wobble_mm == 0) return poses;
+  constexpr uint64_t kAxisStream = 51, kWobbleStream = 52;
+  constexpr double kRimMm = 100;
+  const double lean = 2 * std::numbers::pi * RandomStream(seed, kAxisStream, 0).Uniform();
+  const V3 axis =
+      Eigen::AngleAxisd(axis_tilt_deg * kDegree, V3(std::cos(lean), std::sin(lean), 0)) *
+      V3::UnitZ();
+  std::vector<Pose> troubled;
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const double turn =
+        2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(poses.size());
+    // The camera went round a resting platform; the platform turns the other way.
+    const Pose undone{Eigen::AngleAxisd(turn, V3::UnitZ()).toRotationMatrix(), V3::Zero()};
+    const Pose turned{Eigen::AngleAxisd(-turn, axis).toRotationMatrix(), V3::Zero()};
+    RandomStream random(seed, kWobbleStream, i);
+    Pose wobbled;
+    for (int c = 0; c < 3; ++c) wobbled.translation[c] = wobble_mm * random.Normal();
+    const double tilt_x = wobble_mm / kRimMm * random.Normal();
+    const double tilt_y = wobble_mm / kRimMm * random.Normal();
+    wobbled.rotation =
+        (Eigen::AngleAxisd(tilt_x, V3::UnitX()) * Eigen::AngleAxisd(tilt_y, V3::UnitY()))
+            .toRotationMatrix();
+    troubled.push_back(poses[i] * undone * wobbled * turned);
+  }
+  return troubled;
 }
 
 std::vector<PlatformPlacement> MakePlacements(int count) {

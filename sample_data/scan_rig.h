@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/camera.h"
@@ -23,6 +24,14 @@ ScanRig MakeScanRig(int camera_width, int camera_height, int projector_width, in
 /// scans: 20 degrees), and the rig stands high for every even scan and low for every odd one, so
 /// that each height sees the object from all round.
 std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg);
+
+/// The same scans on a bad turntable. The platform turns, from its place in the first scan on,
+/// about an axis through its origin that leans by `axis_tilt_deg` from its normal (in a random
+/// direction); and in every scan it stands wobble_mm N(0, 1) off along each axis, and tilted so
+/// that its rim, 100 mm out, is as far off again. Poses are those of the platform as it stood.
+/// Without trouble the poses as they are.
+std::vector<Pose> TroubleScanPoses(const std::vector<Pose>& poses, double axis_tilt_deg,
+                                   double wobble_mm, uint64_t seed);
 
 /// One placement of the empty platform before the fixed rig.
 struct PlatformPlacement {

@@ -50,7 +50,7 @@ struct DirectionalLight {
 };
 
 /// Surroundings as a picture: equirectangular, float, linear RGB; column 0 looks along -x, the
-/// middle along +x, the top row up (+z).
+/// middle along +x, the top row up (+z), as an eye in the middle sees it: +y at a quarter.
 struct EnvironmentMap {
   std::shared_ptr<const Image> image;  ///< null: none
   float gain = 1;
@@ -65,10 +65,10 @@ struct SceneLights {
 
 /// What is recorded of a scene.
 enum class SceneKind {
-  kLightField,         ///< photographs and scans of objects on the platform
-  kReflectanceField,   ///< one camera, many light directions (Yamada 2009)
-  kTransportImage,     ///< one camera, every texel of a cube map as light (Mahajan 2007)
-  kTransportMesh,      ///< the same at the vertices of a mesh, with several view directions
+  kLightField,        ///< photographs and scans of objects on the platform
+  kReflectanceField,  ///< one camera, many light directions (Yamada 2009)
+  kTransportImage,    ///< one camera, every texel of a cube map as light (Mahajan 2007)
+  kTransportMesh,     ///< the same at the vertices of a mesh, with several view directions
 };
 
 /// The fixed camera of reflectance fields and transport images; looks at `target`.
@@ -85,10 +85,11 @@ struct SceneDescription {
   std::vector<SceneObject> objects;
   SceneLights lights;
   FixedView view;
-  int light_count = 253;      ///< kReflectanceField: directions over the upper hemisphere
-  int cube_resolution = 32;   ///< kTransport*: texels a side of a cube face
-  int view_directions = 1;    ///< kTransportMesh: fixed eye (1), or eyes round the object
-  int bounces = 1;            ///< of light between surfaces; 0 is direct light only
+  int light_count = 253;              ///< kReflectanceField: directions over the upper hemisphere
+  int cube_resolution = 32;           ///< kTransport*: texels a side of a cube face
+  int view_directions = 1;            ///< kTransportMesh: fixed eye (1), or eyes round the object
+  int bounces = 1;                    ///< of light between surfaces; 0 is direct light only
+  std::vector<std::string> warnings;  ///< what was repaired in meshes brought along, a line each
 };
 
 }  // namespace lfm

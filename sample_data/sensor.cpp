@@ -43,4 +43,12 @@ void ExposeRow(const Sensor& sensor, const float* linear, int count, uint64_t se
   }
 }
 
+void ExposeRowLinear(const Sensor& sensor, const float* linear, int count, uint64_t seed,
+                     uint64_t picture, uint64_t row, float* out) {
+  RandomStream random(seed, picture, row);
+  for (int i = 0; i < count; ++i) {
+    out[i] = std::min(1.0f, NoisyValue(sensor, std::max(0.0f, linear[i]), random.Normal()));
+  }
+}
+
 }  // namespace lfm

@@ -24,6 +24,10 @@ float NoisyValue(const Sensor& sensor, float value, double normal);
 void ExposeRow(const Sensor& sensor, const float* linear, int count, uint64_t seed,
                uint64_t picture, uint64_t row, uint8_t* out);
 
+/// The same noise, kept as linear values, at most 1 (a full well); noise may take them below 0.
+void ExposeRowLinear(const Sensor& sensor, const float* linear, int count, uint64_t seed,
+                     uint64_t picture, uint64_t row, float* out);
+
 /// The nearest 8-bit sRGB level of a linear value, clamped.
 uint8_t EncodeSrgb8(float linear);
 

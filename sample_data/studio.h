@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "calib/board.h"
 #include "core/capture.h"
 #include "core/image.h"
 #include "core/progress.h"
+#include "sample_data/photo_conditions.h"
 #include "sample_data/studio_options.h"
 #include "sample_data/subject.h"
 
@@ -22,18 +25,22 @@ struct StudioResult {
   Capture truth;      ///< the same with intrinsics, poses, masks and the mesh; files relative to
                       ///< the capture's folder `ground_truth`
   TriangleMesh mesh;  ///< the object as rendered, world frame, coloured by its diffuse albedo
+  Board printed;      ///< the board as printed; capture.board describes the nominal one
+  std::vector<PhotoConditions> conditions;  ///< one a photograph
 };
 
 /// Builds the object, bakes its light, takes the photographs and the scans, and hands every picture
-/// to `sink`: photographs (8-bit sRGB with sensor noise), scan and placement frames (8-bit gray),
-/// and, under ground_truth/, a mask of every photograph and noise-free test photographs.
-/// Throws Error when --mesh cannot be read or options do not agree.
+/// to `sink`: photographs (in the chosen format, with all trouble and the sensor's noise), scan and
+/// placement frames (8-bit gray), and, under ground_truth/, a mask of every photograph and
+/// noise-free test photographs. Throws Error when --mesh cannot be read or options do not agree.
 StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
                           Progress& progress);
 
 /// Makes a whole capture folder. Every file is written under a temporary name and renamed;
 /// capture.json of an earlier run is removed first and written last, so that a folder with a
-/// manifest is complete.
+/// manifest is complete. Beside the truth's manifest stand ground_truth/exports (exports.h) and,
+/// when anything of options.trouble is not at its default, trouble.json, platform.json and the
+/// printed board (docs/formats.md).
 void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
                  Progress& progress);
 

@@ -4,28 +4,51 @@
 #include <string>
 
 #include "core/options.h"
+#include "sample_data/trouble.h"
+#include "scan/patterns.h"
 
 namespace lfm {
 
+/// How many samples the light of a scene gets.
+enum class RenderQuality { kDraft, kDefault, kReference };
+
 /// What the studio makes. The same options give the same capture, byte for byte.
 struct StudioOptions {
-  int scene = 0;  ///< index of {"bust"}; `mesh` replaces it
+  std::string scene = "bust";  ///< built in, or a scene file; `mesh` replaces it
   std::string mesh;
   double mesh_height_mm = 120;
   int seed = 1;
+  RenderQuality quality = RenderQuality::kDefault;
+  int transport_channels = 1;
   bool tiny = false;
   int photos = 120, test_photos = 16;
   int photo_width = 960, photo_height = 720;
   int scans = 18, placements = 5;
   int scan_width = 640, scan_height = 480;
   int projector_width = 1024, projector_height = 768;
+  PatternScheme patterns = PatternScheme::kGrayPhase;
   int phase_steps = 8;
+  int stripe_width_px = 12, stripe_step_px = 4;
   double rig_low_deg = 15, rig_high_deg = 48;
   double edge_mm = 0.55;
   int jpeg_quality = 0;
+  Trouble trouble;
+
+  /// The samples of this quality where the default has `usual`.
+  int SamplesPerPixel(int usual) const {
+    if (quality == RenderQuality::kDraft) return usual / 4 > 0 ? usual / 4 : 1;
+    return quality == RenderQuality::kReference ? 16 * usual : usual;
+  }
 
   void Declare(OptionVisitor& v) {
-    v.Choice({"scene", "The object that stands on the platform."}, {"bust"}, scene);
+    v.Text({"scene", "What is recorded: a scene that is built in, or a scene file (JSON)."}, scene);
+    v.Enumeration(
+        {"quality",
+         "Samples of light: a quarter, the usual, or 16 times as many and no sensor noise."},
+        {"draft", "default", "reference"}, quality);
+    v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
+               "", 1, 3},
+              transport_channels);
     v.Text({"mesh", "A PLY mesh to stand on the platform instead of the scene's object."}, mesh);
     v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
     v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
@@ -45,12 +68,22 @@ struct StudioOptions {
               projector_width);
     v.Integer({"projector-height", "Height of the projector's picture.", "px", 16, 8192},
               projector_height);
+    v.Enumeration({"patterns",
+                   "What scans project: Gray code and phase shift, Gray code alone, phase shifts "
+                   "of several periods, or a moving stripe."},
+                  {"gray-phase", "gray", "multi-phase", "stripe"}, patterns);
+    v.Integer({"phase-steps", "Steps of every phase shift.", "", 3, 256}, phase_steps);
+    v.Integer({"stripe-width", "Width of the moving stripe at half its height.", "px", 1, 4096},
+              stripe_width_px);
+    v.Integer({"stripe-step", "Way of the stripe from one frame to the next.", "px", 1, 4096},
+              stripe_step_px);
     v.Number(
         {"edge", "Length of the object's edges; light is baked at its vertices.", "mm", 0.1, 10},
         edge_mm);
     v.Integer({"jpeg-quality", "Write JPEG pictures of this quality instead of PNG; 0 means PNG.",
                "", 0, 100},
               jpeg_quality);
+    trouble.Declare(v);
   }
 };
 

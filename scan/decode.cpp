@@ -304,8 +304,21 @@ AxisCoordinates DecodeAxis(const AxisInput& in, const std::vector<uint8_t>& usab
 
 }  // namespace
 
+void RequireDecodable(const PatternSequence& sequence) {
+  for (const Pattern& p : sequence.patterns) {
+    const bool unknown =
+        p.kind == PatternKind::kStripe || (p.kind == PatternKind::kPhase && p.period_px != 0);
+    if (!unknown) continue;
+    throw Error("pattern \"" + PatternName(p) + "\" cannot be decoded: " +
+                (p.kind == PatternKind::kStripe ? "a moving stripe" : "a phase of stated period") +
+                " is not read; scan with Gray code and one phase period (patterns gray-phase or "
+                "gray)");
+  }
+}
+
 DecodedPixels Decode(const PatternSequence& sequence, const FrameLoader& load,
                      const DecodeOptions& options) {
+  RequireDecodable(sequence);
   FrameReader reader(sequence, load);
   const Image white = reader.Read(PatternKind::kWhite, PatternAxis::kColumn, 0);
   const Image black = reader.Read(PatternKind::kBlack, PatternAxis::kColumn, 0);

@@ -37,6 +37,10 @@ struct DecodeOptions {
 /// Loads the picture of `sequence.patterns[index]`.
 using FrameLoader = std::function<Image(int index)>;
 
+/// Throws Error, naming the first such pattern, when the sequence holds phase frames of several
+/// periods or a moving stripe, which Decode does not read.
+void RequireDecodable(const PatternSequence& sequence);
+
 /// Decodes projector coordinates with sub-pixel precision.
 ///
 /// In linear light, for each pixel and axis:
@@ -59,8 +63,9 @@ using FrameLoader = std::function<Image(int index)>;
 /// A Gray code without phase frames decodes to whole pixels (sigma = 1 / sqrt(12)).
 ///
 /// Frames are loaded one by one (at most two held at a time besides sums). Throws Error when the
-/// sequence lacks white, black or a Gray bit of an axis that it uses, when frames differ in size,
-/// and passes on what `load` throws. Non-finite picture values are not decoded.
+/// sequence lacks white, black or a Gray bit of an axis that it uses, is not decodable (see above),
+/// when frames differ in size, and passes on what `load` throws. Non-finite picture values are not
+/// decoded.
 DecodedPixels Decode(const PatternSequence& sequence, const FrameLoader& load,
                      const DecodeOptions& options);
 

@@ -65,7 +65,8 @@ struct ScanOptions {
 /// a guess), decodes every scan, triangulates, and brings all points into the platform frame.
 /// A scan or placement with missing or unreadable frames, or of another size than the calibrated
 /// camera, is set aside with the reason. Error when no scan is left, no point survives, or the
-/// roles name no column patterns (points are measured by projector columns).
+/// roles name no column patterns (points are measured by projector columns) or patterns that Decode
+/// does not read; that before any picture is loaded.
 ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& calib,
                 const ImageLoader& load_image, const ScanOptions& options, Progress& progress);
 

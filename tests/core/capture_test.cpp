@@ -43,6 +43,15 @@ Capture FullCapture(const std::filesystem::path& folder) {
   scanner.scans = {{"s0", {"s/0.png", "s/1.png"}, pose}, {"s1", {"s/2.png", "s/3.png"}, {}}};
   scanner.placements = {{"t0", {"t/0.png"}, std::nullopt}};
   capture.scanner = scanner;
+  ReflectanceField field;
+  field.camera = "hand";
+  field.camera_from_world = pose;
+  field.encoding = ColorEncoding::kSrgb;
+  field.pictures = {{"lit/0.png", {0, 0, 1}, PhotoSplit::kTrain},
+                    {"lit/1.png", Eigen::Vector3d(3, -1, 2).normalized(), PhotoSplit::kTest}};
+  capture.reflectance_field = field;
+  capture.transport = TransportField{
+      "t.ltm", TransportKind::kMesh, 32, "", "truth/mesh.ply", {{1, 2, 3}, {-4, 5, 0.5}}};
   return capture;
 }
 
@@ -105,6 +114,25 @@ TEST(Capture, SavingAndLoadingAreInverse) {
   ExpectSamePose(loaded.scanner->scans[0].camera_from_world,
                  saved.scanner->scans[0].camera_from_world);
   EXPECT_EQ(loaded.scanner->placements.at(0).id, "t0");
+  ASSERT_TRUE(loaded.reflectance_field.has_value());
+  EXPECT_EQ(loaded.reflectance_field->camera, "hand");
+  EXPECT_EQ(loaded.reflectance_field->encoding, ColorEncoding::kSrgb);
+  ExpectSamePose(loaded.reflectance_field->camera_from_world,
+                 saved.reflectance_field->camera_from_world);
+  ASSERT_EQ(loaded.reflectance_field->pictures.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const LitPicture& a = loaded.reflectance_field->pictures[i];
+    const LitPicture& b = saved.reflectance_field->pictures[i];
+    EXPECT_EQ(a.file, b.file);
+    EXPECT_LT((a.to_light - b.to_light).norm(), 1e-15);
+    EXPECT_EQ(a.split, b.split);
+  }
+  ASSERT_TRUE(loaded.transport.has_value());
+  EXPECT_EQ(loaded.transport->file, "t.ltm");
+  EXPECT_EQ(loaded.transport->kind, TransportKind::kMesh);
+  EXPECT_EQ(loaded.transport->cube_resolution, 32);
+  EXPECT_EQ(loaded.transport->mesh, "truth/mesh.ply");
+  EXPECT_EQ(loaded.transport->eyes, saved.transport->eyes);
 }
 
 TEST(Capture, MinimalManifestLoads) {
@@ -114,6 +142,8 @@ TEST(Capture, MinimalManifestLoads) {
   const Capture capture = LoadCapture(folder.path());
   EXPECT_TRUE(capture.photos.empty());
   EXPECT_FALSE(capture.scanner.has_value());
+  EXPECT_FALSE(capture.reflectance_field.has_value());
+  EXPECT_FALSE(capture.transport.has_value());
   EXPECT_FALSE(capture.BringsGeometry());
 }
 
@@ -164,7 +194,17 @@ TEST(Capture, EveryMissingKeyIsNamed) {
                             "/scanner/scans",
                             "/scanner/placements",
                             "/scanner/scans/1/id",
-                            "/scanner/scans/1/frames"}) {
+                            "/scanner/scans/1/frames",
+                            "/reflectance_field/camera",
+                            "/reflectance_field/encoding",
+                            "/reflectance_field/pictures",
+                            "/reflectance_field/pictures/1/file",
+                            "/reflectance_field/pictures/1/direction",
+                            "/reflectance_field/pictures/0/split",
+                            "/transport/file",
+                            "/transport/kind",
+                            "/transport/cube_resolution",
+                            "/transport/mesh"}) {
     nlohmann::json broken = manifest;
     const Pointer pointer(place);
     broken[pointer.parent_pointer()].erase(pointer.back());
@@ -178,7 +218,8 @@ TEST(Capture, EveryUnknownKeyIsNamed) {
        {"", "/cameras/hand", "/cameras/hand/intrinsics", "/photos/1", "/photos/0/camera_from_world",
         "/scanner", "/scanner/projector", "/scanner/projector/intrinsics",
         "/scanner/projector_from_camera", "/scanner/scans/0", "/scanner/scans/0/camera_from_world",
-        "/scanner/placements/0"}) {
+        "/scanner/placements/0", "/reflectance_field", "/reflectance_field/camera_from_world",
+        "/reflectance_field/pictures/0", "/transport"}) {
     nlohmann::json broken = manifest;
     broken[Pointer(place)]["phtoo"] = 1;
     ExpectRefused(broken, "phtoo: unknown key");
@@ -223,6 +264,22 @@ TEST(Capture, EveryWrongTypeOrValueIsNamed) {
       {"/scanner/scans/1/id", "s0", "scanner.scans[1].id: 's0' is used twice"},
       {"/scanner/scans/1/id", "p1", "scanner.scans[1].id: 'p1' is used twice"},
       {"/scanner/placements/0/id", "s1", "scanner.placements[0].id: 's1' is used twice"},
+      {"/reflectance_field/camera", "phone", "reflectance_field.camera: no camera"},
+      {"/reflectance_field/encoding", "raw", "expected \"linear\" or \"srgb\""},
+      {"/reflectance_field/pictures", nlohmann::json::array(), "pictures: is empty"},
+      {"/reflectance_field/pictures/1/file", "lit/0.png", "'lit/0.png' is used twice"},
+      {"/reflectance_field/pictures/1/direction", {0, 0, 0}, "must be a unit vector"},
+      {"/reflectance_field/pictures/1/direction", {0, 0, 1.01}, "must be a unit vector"},
+      {"/reflectance_field/pictures/1/direction", {1e200, 1e200, 0}, "must be a unit vector"},
+      {"/reflectance_field/pictures/1/direction", {0, 0, nullptr}, "pictures[1].direction"},
+      {"/reflectance_field/pictures/1/direction", {0, 1}, "pictures[1].direction"},
+      {"/reflectance_field/pictures/0/split", "dev", "pictures[0].split: expected"},
+      {"/transport/kind", "texture", "expected \"image\" or \"mesh\""},
+      {"/transport/kind", "image", "mesh: belongs to kind \"mesh\" only"},
+      {"/transport/eyes", nlohmann::json::array(), "transport.eyes: is empty"},
+      {"/transport/eyes", {{1, 2}}, "transport.eyes: expected an array of rows of 3"},
+      {"/transport/cube_resolution", 0, "transport.cube_resolution"},
+      {"/transport/cube_resolution", 2048, "transport.cube_resolution"},
   };
   for (const Case& c : cases) {
     nlohmann::json broken = manifest;
@@ -254,8 +311,10 @@ TEST(Capture, IdsThatAreNoPlainFileNamesAreRefused) {
 
 TEST(Capture, PathsThatLeaveTheFolderAreRefused) {
   const nlohmann::json manifest = FullManifest();
-  for (const char* place : {"/board", "/mesh", "/photos/0/file", "/photos/0/mask",
-                            "/scanner/scans/0/frames/1", "/scanner/placements/0/frames/0"}) {
+  for (const char* place :
+       {"/board", "/mesh", "/photos/0/file", "/photos/0/mask", "/scanner/scans/0/frames/1",
+        "/scanner/placements/0/frames/0", "/reflectance_field/pictures/1/file", "/transport/file",
+        "/transport/mesh"}) {
     for (const char* path : {"/etc/passwd", "../a.png", "photos/../../a.png", "photos/..", ""}) {
       nlohmann::json broken = manifest;
       broken[Pointer(place)] = path;
@@ -321,6 +380,9 @@ TEST(ImageLoader, LoadsInsideTheFolderOnlyAndKnowsTheEncoding) {
   WriteImage(image, folder / "s/0.png");
   const ImageLoader load = MakeImageLoader(capture);
   EXPECT_EQ(load("s/0.png").encoding(), ColorEncoding::kLinear);
+  // The reflectance field states an encoding of its own.
+  WriteImage(Image(2, 2, 1, PixelType::kUint16, ColorEncoding::kSrgb), folder / "lit/1.png");
+  EXPECT_EQ(load("lit/1.png").encoding(), ColorEncoding::kSrgb);
   ExpectError([&] { load("../x.png"); }, "leaves the capture folder");
   ExpectError([&] { load("photos/0.png"); }, "photos/0.png");
   WriteImage(image, folder / "photos/0.png");

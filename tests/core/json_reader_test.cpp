@@ -13,9 +13,15 @@ namespace {
 using nlohmann::json;
 
 TEST(JsonReader, ReadsEveryType) {
-  const json object = {
-      {"n", 1.5},    {"i", -3},        {"b", true},       {"t", "text"},
-      {"ts", {"a"}}, {"ns", {1, 2.5}}, {"o", {{"k", 1}}}, {"os", {{{"k", 2}}, {{"k", 3}}}}};
+  const json object = {{"n", 1.5},
+                       {"i", -3},
+                       {"b", true},
+                       {"t", "text"},
+                       {"ts", {"a"}},
+                       {"ns", {1, 2.5}},
+                       {"o", {{"k", 1}}},
+                       {"rows", {{1, 2}, {3, 4.5}}},
+                       {"os", {{{"k", 2}}, {{"k", 3}}}}};
   JsonReader reader(object, "f.json");
   EXPECT_EQ(reader.Number("n"), 1.5);
   EXPECT_EQ(reader.Integer("i", -3, 3), -3);
@@ -23,6 +29,7 @@ TEST(JsonReader, ReadsEveryType) {
   EXPECT_EQ(reader.Text("t"), "text");
   EXPECT_EQ(reader.Texts("ts"), std::vector<std::string>{"a"});
   EXPECT_EQ(reader.Numbers("ns", 2), (std::vector<double>{1, 2.5}));
+  EXPECT_EQ(reader.NumberRows("rows", 2), (std::vector<std::vector<double>>{{1, 2}, {3, 4.5}}));
   JsonReader inner = reader.Object("o");
   EXPECT_EQ(inner.Integer("k", 0, 9), 1);
   std::vector<JsonReader> list = reader.Objects("os");
@@ -57,6 +64,8 @@ TEST(JsonReader, EveryProblemNamesFileAndPlace) {
   fails([](JsonReader& r) { r.Text("big"); }, "big: expected a string");
   fails([](JsonReader& r) { r.Texts("list"); }, "list: expected an array of strings");
   fails([](JsonReader& r) { r.Numbers("list", 2); }, "list: expected an array of 2");
+  fails([](JsonReader& r) { r.NumberRows("list", 2); }, "list: expected an array of rows of 2");
+  fails([](JsonReader& r) { r.NumberRows("a", 2); }, "a: expected an array of rows of 2");
   fails([](JsonReader& r) { r.Object("a"); }, "a must be a JSON object");
   fails([](JsonReader& r) { r.Objects("list"); }, "list[0] must be a JSON object");
   fails([](JsonReader& r) { r.Objects("nested")[0].Object("deep").Text("key"); },

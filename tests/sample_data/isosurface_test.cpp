@@ -38,6 +38,20 @@ TEST(Isosurface, NearlyTouchingSheetsStayManifold) {
   EXPECT_TRUE(topology.closed && topology.manifold);
 }
 
+// A waved sheet thinner than the cells: torn, but each piece closed.
+TEST(Isosurface, SheetThinnerThanItsCellsStaysManifold) {
+  const auto sheet = [](const V3& p) {
+    const double wave = std::sin(0.9 * p.x()) * std::cos(0.7 * p.y() + 0.2 * p.x());
+    return std::max(0.6 * (std::abs(p.z() - wave) - 0.28), p.norm() - 10);
+  };
+  for (const double cell : {0.5, 0.63, 0.77, 0.9, 1.1}) {
+    IsosurfaceGrid grid = kGrid;
+    grid.cell_mm = cell;
+    const MeshTopology topology = ExamineTopology(PolygoniseIsosurface(sheet, grid, 1.5));
+    EXPECT_TRUE(topology.closed && topology.manifold) << cell;
+  }
+}
+
 TEST(Isosurface, RejectsWhatItCannotClose) {
   EXPECT_THROW(PolygoniseIsosurface([](const V3& p) { return p.norm() - 20; }, kGrid, 1), Error);
   EXPECT_THROW(PolygoniseIsosurface([](const V3&) { return 5.0; }, kGrid, 1), Error);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
+#include <tuple>
 
 #include "core/parallel.h"
 
@@ -11,37 +13,6 @@ namespace lfm {
 namespace {
 
 using V3 = Eigen::Vector3d;
-
-TEST(PatternTable, AddsUpEveryFrameAsThePatternsDefineIt) {
-  const PatternSequence sequence = MakePatternSequence(64, 48, PatternRows::kWith);
-  const PatternTable table(sequence);
-  ASSERT_EQ(table.frames(), static_cast<int>(sequence.patterns.size()));
-  std::vector<float> sums(table.frames(), 0.0f);
-  table.Accumulate({{37, 0}, {11, 0}, 0.25f}, sums.data());
-  table.Accumulate({{5, 0.25f}, {40, 0}, 0.5f}, sums.data());
-  for (int slot = 0; slot < table.frames(); ++slot) {
-    const Pattern& pattern = sequence.patterns[table.frame_of_slot()[slot]];
-    EXPECT_NEAR(sums[slot],
-                0.25 * PatternValue(sequence, pattern, 37, 11) +
-                    0.375 * PatternValue(sequence, pattern, 5, 40) +
-                    0.125 * PatternValue(sequence, pattern, 6, 40),
-                1e-6)
-        << PatternName(pattern);
-  }
-}
-
-TEST(ProjectedSpan, CoversItsStretchInsideThePicture) {
-  const ProjectedSpan inside = MakeSpan(5.1, 0.4, 10);
-  EXPECT_EQ(inside.index, 5);
-  EXPECT_EQ(inside.share, 0);
-  const ProjectedSpan across = MakeSpan(5.4, 0.4, 10);  // [5.2, 5.6]: a quarter beyond 5.5
-  EXPECT_EQ(across.index, 5);
-  EXPECT_NEAR(across.share, 0.25, 1e-6);
-  EXPECT_EQ(MakeSpan(-0.5, 1, 10).index, 0);
-  const ProjectedSpan last = MakeSpan(9.49, 1, 10);
-  EXPECT_EQ(last.index, 9 - (last.share > 0));
-  EXPECT_EQ(MakeSpan(3, 0, 10).index, 3);
-}
 
 class PlaneScanTest : public testing::Test {
  protected:
@@ -136,6 +107,102 @@ TEST_F(PlaneScanTest, WhiteIsBrightAndNotSaturated) {
   }
   EXPECT_GT(brightest, 180);
   EXPECT_LT(brightest, 250);
+}
+
+TEST_F(PlaneScanTest, ExposureAmbientAndSaturationAreTheStatedFactors) {
+  ScanTrouble trouble;
+  trouble.exposure_factor = 0.5;
+  trouble.ambient_light = 0.1;
+  const auto render = [&](const ScanTrouble& t) {
+    return RenderScan({&scene_, nullptr, &reflectance_}, rig_, rays_, placement_.camera_from_world,
+                      PatternTable(sequence_, t), MakeScanExposure(t), {1e12, 0}, 1, 9);
+  };
+  const std::vector<Image> usual = render({}), other = render(trouble);
+  trouble.exposure_factor = 8;
+  const std::vector<Image> burnt = render(trouble);
+  const auto linear = [](const Image& image, int x, int y) {
+    return LinearFromSrgb(image.At<uint8_t>(x, y) / 255.0f);
+  };
+  int saturated = 0;
+  for (int y = 20; y < 45; y += 5) {
+    for (int x = 25; x < 60; x += 5) {
+      const double white = linear(usual[0], x, y), black = linear(usual[1], x, y);
+      const double dark = 0.5 * black * 0.1 / 0.015;
+      EXPECT_NEAR(linear(other[1], x, y), dark, 0.004);
+      EXPECT_NEAR(linear(other[0], x, y), 0.5 * (white - black) + dark, 0.008);
+      saturated += burnt[0].At<uint8_t>(x, y) == 255;
+    }
+  }
+  EXPECT_GT(saturated, 10);
+}
+
+// A ball painted white under a coarse pattern, seen and lit from the front.
+TEST(SubsurfaceTest, BlursTheFringesOfThePaintAndNotThePlate) {
+  TriangleMesh slab;  // a tilted square 40 mm above the plate
+  slab.vertices = {{-40, -40, 40}, {40, -40, 40}, {40, 40, 90}, {-40, 40, 90}};
+  slab.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const V3 normal = V3(0, -50, 80).normalized();
+  slab.normals.assign(4, normal);
+  const Board board = DefaultBoard();
+  const SetReflectance reflectance(board);
+  const StudioScene scene(&slab,
+                          MakePlateAndTable(board, {Eigen::Matrix3d::Identity(), {0, 0, -5}}));
+  const ScanRig rig = MakeScanRig(80, 60, 256, 192);
+  const PixelRays rays(rig.camera);
+  PatternSequence sequence = MakePatternSequence(256, 192, PatternRows::kWithout);
+  const Pose pose = MakeScanPoses(1, 36, 48)[0];
+  const auto swing = [&](double subsurface_mm, int x, int y) {
+    ScanTrouble trouble;
+    trouble.subsurface_mm = subsurface_mm;
+    const std::vector<Image> frames =
+        RenderScan({&scene, &slab, &reflectance}, rig, rays, pose, PatternTable(sequence, trouble),
+                   MakeScanExposure(trouble), {1e12, 0}, 1, 9);
+    double c = 0, s = 0, mean = 0;
+    for (size_t f = 0; f < frames.size(); ++f) {
+      const Pattern& p = sequence.patterns[f];
+      if (p.kind != PatternKind::kPhase) continue;
+      const double value = LinearFromSrgb(frames[f].At<uint8_t>(x, y) / 255.0f);
+      c += value * std::cos(std::numbers::pi / 4 * p.index);
+      s += value * std::sin(std::numbers::pi / 4 * p.index);
+      mean += value;
+    }
+    return std::tuple(std::hypot(c, s), std::atan2(s, c), mean);
+  };
+  const auto on_slab = Project(rig.camera, pose * V3(0, 0, 65));
+  ASSERT_TRUE(on_slab);
+  const int x = static_cast<int>(std::lround(on_slab->x()));
+  const int y = static_cast<int>(std::lround(on_slab->y()));
+  const auto [sharp, sharp_phase, sharp_mean] = swing(0, x, y);
+  const auto [soft, soft_phase, soft_mean] = swing(2, x, y);
+  // The fringes' period on the slab, from where its points are lit from.
+  const Pose projector_from_world = rig.projector_from_camera * pose;
+  const auto column = [&](const V3& p) {
+    return Project(rig.projector, projector_from_world * p)->x();
+  };
+  const V3 up = normal.cross(V3::UnitX());
+  const double per_mm =
+      std::hypot(column(V3(0.5, 0, 65)) - column(V3(-0.5, 0, 65)),
+                 column(V3(0, 0, 65) + 0.5 * up) - column(V3(0, 0, 65) - 0.5 * up));
+  const double radians = 2 * std::numbers::pi * 2 * per_mm / 16;
+  EXPECT_NEAR(soft / sharp, std::exp(-0.5 * radians * radians), 0.03);
+  EXPECT_LT(soft / sharp, 0.8);
+  // The blurred fringes are where the pixel's point is lit from; the sharp ones have the steps of
+  // the projector's pixels.
+  const V3 ray = pose.rotation.transpose() *
+                 Unproject(rig.camera, {static_cast<double>(x), static_cast<double>(y)});
+  const V3 eye = pose.Center();
+  const V3 seen = eye + (V3(0, 0, 65) - eye).dot(normal) / ray.dot(normal) * ray;
+  const double phase = 2 * std::numbers::pi * column(seen) / 16;
+  EXPECT_NEAR(std::remainder(soft_phase - phase, 2 * std::numbers::pi), 0, 0.02);
+  EXPECT_NEAR(std::remainder(sharp_phase - phase, 2 * std::numbers::pi), 0, 0.2);
+  EXPECT_NEAR(soft_mean / sharp_mean, 1, 0.01);
+  const auto on_plate = Project(rig.camera, pose * V3(75, -60, 0));
+  const int px = static_cast<int>(std::lround(on_plate->x()));
+  const int py = static_cast<int>(std::lround(on_plate->y()));
+  const auto [plate_sharp, p1, m1] = swing(0, px, py);
+  const auto [plate_soft, p2, m2] = swing(2, px, py);
+  EXPECT_GT(plate_sharp, 0.1);
+  EXPECT_NEAR(plate_soft, plate_sharp, 0.02 * plate_sharp);
 }
 
 TEST_F(PlaneScanTest, DependsOnTheSeedAndNotOnThreads) {

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "tests/scan/synthetic_rig.h"
@@ -265,6 +268,28 @@ TEST(Decode, ItsSigmaIsTheErrorThatNoiseCauses) {
   const PlaneErrors errors = DecodePlane(0.02);
   EXPECT_GT(errors.calibration, 0.7);
   EXPECT_LT(errors.calibration, 1.4);
+}
+
+TEST(Decode, SeveralPeriodsAndStripesAreRefusedByNameBeforeAnythingIsLoaded) {
+  const FrameLoader never = [](int) -> Image { throw std::logic_error("was loaded"); };
+  for (const auto& [scheme, word] :
+       {std::pair{PatternScheme::kMultiPhase, "\"column-phase-16-0\" cannot be decoded"},
+        std::pair{PatternScheme::kStripe, "\"column-stripe-gauss-12-4-0\" cannot be decoded"}}) {
+    PatternOptions options;
+    options.scheme = scheme;
+    const PatternSequence sequence = MakePatternSequence(64, 48, PatternRows::kWith, options);
+    try {
+      Decode(sequence, never, {});
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+  PatternOptions gray;
+  gray.scheme = PatternScheme::kGray;
+  EXPECT_NO_THROW(RequireDecodable(MakePatternSequence(64, 48, PatternRows::kWith, gray)));
+  EXPECT_NO_THROW(RequireDecodable(MakePatternSequence(64, 48, PatternRows::kWith)));
 }
 
 }  // namespace

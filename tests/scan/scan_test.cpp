@@ -257,6 +257,32 @@ TEST(Scan, PlacementsThatOnlyTurnTheEmptyPlatformAreRefused) {
   EXPECT_NE(ErrorOf(studio).find("cannot be calibrated"), std::string::npos);
 }
 
+TEST(Scan, PatternsThatCannotBeDecodedAreRefusedBeforeAnyPictureIsLoaded) {
+  for (const auto& [scheme, word] :
+       {std::pair{PatternScheme::kMultiPhase, "column-phase-16-0"},
+        std::pair{PatternScheme::kStripe, "column-stripe-gauss-12-4-0"}}) {
+    PatternOptions options;
+    options.scheme = scheme;
+    std::vector<std::string> names;
+    for (const Pattern& p :
+         MakePatternSequence(512, 384, PatternRows::kWithout, options).patterns) {
+      names.push_back(PatternName(p));
+    }
+    for (bool in_scans : {true, false}) {
+      Studio studio = TheStudio();
+      Scanner& scanner = *studio.capture.scanner;
+      (in_scans ? scanner.scan_roles : scanner.placement_roles) = names;
+      for (ScanSet& set : in_scans ? scanner.scans : scanner.placements) {
+        set.frames.assign(names.size(), "absent.png");
+      }
+      const std::string error = ErrorOf(studio);
+      EXPECT_NE(error.find(word), std::string::npos) << error;
+      EXPECT_NE(error.find("cannot be decoded"), std::string::npos) << error;
+      EXPECT_EQ(error.find('\n'), std::string::npos);
+    }
+  }
+}
+
 TEST(Scan, AnEmptyPlatformIsAnError) {
   Studio studio = TheStudio();
   studio.capture.scanner->scans.clear();
