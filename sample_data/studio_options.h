@@ -44,7 +44,7 @@ struct StudioOptions {
     v.Text({"scene", "What is recorded: a scene that is built in, or a scene file (JSON)."}, scene);
     v.Enumeration(
         {"quality",
-         "Samples of light: a quarter, the usual, or 16 times as many and no sensor noise."},
+         "Samples of light: a quarter, the usual, or 16 times as many."},
         {"draft", "default", "reference"}, quality);
     v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
                "", 1, 3},
