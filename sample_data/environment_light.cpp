@@ -8,6 +8,8 @@
 #include <string>
 
 #include "core/error.h"
+#include "sample_data/lanes/lane_convert.h"
+#include "sample_data/lanes/lane_lights.h"
 
 namespace lfm {
 namespace {
@@ -44,23 +46,6 @@ void RequireRadiance(const Image& image, const std::string& where) {
   if (!(sum > 0)) throw Error(where + ": the environment is black everywhere; give one with light");
 }
 
-// Index of the interval of `cumulative` (count + 1 values from 0 to 1) that holds `u`, and where in
-// it. Intervals of no width are never chosen.
-struct Interval {
-  int index;
-  float rest;
-};
-Interval Choose(const float* cumulative, int count, float u) {
-  const float* above = std::upper_bound(cumulative + 1, cumulative + count + 1, u);
-  int i = static_cast<int>(above - cumulative) - 1;
-  if (i >= count) {
-    i = count - 1;
-    while (i > 0 && cumulative[i + 1] <= cumulative[i]) --i;
-  }
-  const float width = cumulative[i + 1] - cumulative[i];
-  return {i, std::clamp((u - cumulative[i]) / width, 0.0f, 0.99999994f)};
-}
-
 void Accumulate(const std::vector<double>& weights, float* cumulative) {
   double total = 0;
   for (double w : weights) total += w;
@@ -89,106 +74,90 @@ V3f EnvironmentDirection(const Eigen::Vector2f& pixel, int width, int height) {
           std::cos(polar)};
 }
 
-EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& map)
-    : room_(room), map_(map) {
-  room_is_black_ = room.sky.isZero(0) && room.wall.isZero(0) && room.ground.isZero(0);
+EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& map) : map_(map) {
+  tables_.room_is_black = room.sky.isZero(0) && room.wall.isZero(0) && room.ground.isZero(0);
+  for (int c = 0; c < 3; ++c) {
+    tables_.sky[c] = room.sky[c];
+    tables_.wall[c] = room.wall[c];
+    tables_.ground[c] = room.ground[c];
+  }
   if (map.image == nullptr) return;
   if (!(map.gain > 0) || !std::isfinite(map.gain)) {
     throw Error("the environment map's gain must be positive; leave the map out for none");
   }
   RequireRadiance(*map.image, "environment map");
-  width_ = map.image->width();
-  height_ = map.image->height();
-  std::vector<double> luminance(static_cast<size_t>(width_) * height_);
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
+  const int width = map.image->width(), height = map.image->height();
+  std::vector<double> luminance;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
       const V3f d =
-          EnvironmentDirection({static_cast<float>(x), static_cast<float>(y)}, width_, height_);
-      luminance[static_cast<size_t>(y) * width_ + x] =
-          Luminance(map.gain * PixelOf(*map.image, x, y) +
-                    (room_is_black_ ? V3f(0, 0, 0) : room_.Environment(d)));
+          EnvironmentDirection({static_cast<float>(x), static_cast<float>(y)}, width, height);
+      const V3f pixel = PixelOf(*map.image, x, y);
+      pixels_.insert(pixels_.end(), pixel.data(), pixel.data() + 3);
+      luminance.push_back(
+          Luminance(map.gain * pixel + (tables_.room_is_black ? V3f(0, 0, 0) : room.Environment(d))));
     }
   }
+  tables_.width = width;
+  tables_.height = height;
+  tables_.gain = map.gain;
+  Tabulate(luminance);
+  tables_.pixels = pixels_.data();
+  tables_.rows = rows_.data();
+  tables_.columns = columns_.data();
+  tables_.density = density_.data();
+}
+
+void EnvironmentLight::Tabulate(const std::vector<double>& luminance) {
+  const int width = tables_.width, height = tables_.height;
   // Mean over a pixel of the bilinear interpolant: 1/8, 3/4, 1/8 along each axis.
-  rows_.resize(height_ + 1);
-  columns_.resize(static_cast<size_t>(height_) * (width_ + 1));
+  rows_.resize(height + 1);
+  columns_.resize(static_cast<size_t>(height) * (width + 1));
   density_.resize(luminance.size());
-  std::vector<double> row_weights(height_), weights(width_);
-  for (int y = 0; y < height_; ++y) {
-    const double band =
-        std::cos(std::numbers::pi * y / height_) - std::cos(std::numbers::pi * (y + 1) / height_);
+  const auto band = [height](int y) {
+    return std::cos(std::numbers::pi * y / height) - std::cos(std::numbers::pi * (y + 1) / height);
+  };
+  std::vector<double> row_weights(height), weights(width);
+  for (int y = 0; y < height; ++y) {
     row_weights[y] = 0;
-    for (int x = 0; x < width_; ++x) {
+    for (int x = 0; x < width; ++x) {
       double mean = 0;
       for (int dy = -1; dy <= 1; ++dy) {
         const double* row =
-            &luminance[static_cast<size_t>(std::clamp(y + dy, 0, height_ - 1)) * width_];
+            &luminance[static_cast<size_t>(std::clamp(y + dy, 0, height - 1)) * width];
         const double line =
-            0.75 * row[x] + 0.125 * (row[(x + 1) % width_] + row[(x + width_ - 1) % width_]);
+            0.75 * row[x] + 0.125 * (row[(x + 1) % width] + row[(x + width - 1) % width]);
         mean += (dy == 0 ? 0.75 : 0.125) * line;
       }
-      weights[x] = mean * band;
+      weights[x] = mean * band(y);
       row_weights[y] += weights[x];
     }
-    Accumulate(weights, &columns_[static_cast<size_t>(y) * (width_ + 1)]);
+    Accumulate(weights, &columns_[static_cast<size_t>(y) * (width + 1)]);
   }
   Accumulate(row_weights, rows_.data());
-  for (int y = 0; y < height_; ++y) {
-    const double band =
-        std::cos(std::numbers::pi * y / height_) - std::cos(std::numbers::pi * (y + 1) / height_);
-    const float* columns = &columns_[static_cast<size_t>(y) * (width_ + 1)];
-    for (int x = 0; x < width_; ++x) {
+  for (int y = 0; y < height; ++y) {
+    const float* columns = &columns_[static_cast<size_t>(y) * (width + 1)];
+    for (int x = 0; x < width; ++x) {
       // From the cumulative sums as they are stored, since these are what Draw follows.
       const double probability = (rows_[y + 1] - rows_[y]) * (columns[x + 1] - columns[x]);
-      density_[static_cast<size_t>(y) * width_ + x] =
-          static_cast<float>(probability * width_ / (2 * std::numbers::pi * band));
+      density_[static_cast<size_t>(y) * width + x] =
+          static_cast<float>(probability * width / (2 * std::numbers::pi * band(y)));
     }
   }
 }
 
 V3f EnvironmentLight::Radiance(const V3f& direction) const {
-  V3f radiance = room_is_black_ ? V3f(V3f::Zero()) : room_.Environment(direction);
-  if (map_.image == nullptr) return radiance;
-  const Eigen::Vector2f pixel = EnvironmentPixel(direction, width_, height_);
-  const float fx0 = std::floor(pixel.x()), fy0 = std::floor(pixel.y());
-  const float fx = pixel.x() - fx0, fy = pixel.y() - fy0;
-  const int x0 = (static_cast<int>(fx0) + width_) % width_, x1 = (x0 + 1) % width_;
-  const int y0 = std::clamp(static_cast<int>(fy0), 0, height_ - 1);
-  const int y1 = std::clamp(static_cast<int>(fy0) + 1, 0, height_ - 1);
-  const Image& image = *map_.image;
-  const V3f upper = (1 - fx) * PixelOf(image, x0, y0) + fx * PixelOf(image, x1, y0);
-  const V3f lower = (1 - fx) * PixelOf(image, x0, y1) + fx * PixelOf(image, x1, y1);
-  radiance += map_.gain * ((1 - fy) * upper + fy * lower);
-  return radiance;
-}
-
-float EnvironmentLight::PixelDensity(int x, int y) const {
-  return density_[static_cast<size_t>(y) * width_ + x];
+  return FromLane(EnvironmentRadiance(tables_, ToLane(direction)));
 }
 
 EnvironmentLight::Sample EnvironmentLight::Draw(float u1, float u2) const {
-  const Interval row = Choose(rows_.data(), height_, u1);
-  const Interval column =
-      Choose(&columns_[static_cast<size_t>(row.index) * (width_ + 1)], width_, u2);
-  // Uniform in solid angle inside the pixel.
-  const float top = std::cos(kPi * static_cast<float>(row.index) / static_cast<float>(height_));
-  const float bottom =
-      std::cos(kPi * static_cast<float>(row.index + 1) / static_cast<float>(height_));
-  const float z = top + row.rest * (bottom - top), s = std::sqrt(std::max(0.0f, 1 - z * z));
-  const float azimuth =
-      kPi * (1 - 2 * (static_cast<float>(column.index) + column.rest) / static_cast<float>(width_));
-  Sample sample;
-  sample.direction = {s * std::cos(azimuth), s * std::sin(azimuth), z};
-  sample.radiance = Radiance(sample.direction);
-  sample.density = PixelDensity(column.index, row.index);
-  return sample;
+  const EnvironmentSample<float> drawn = DrawEnvironment<float>(tables_, u1, u2);
+  return {FromLane(drawn.direction), FromLane(EnvironmentRadiance(tables_, drawn.direction)),
+          drawn.density};
 }
 
 float EnvironmentLight::Density(const V3f& direction) const {
-  const Eigen::Vector2f pixel = EnvironmentPixel(direction, width_, height_);
-  const int x = std::clamp(static_cast<int>(std::floor(pixel.x() + 0.5f)), 0, width_ - 1);
-  const int y = std::clamp(static_cast<int>(std::floor(pixel.y() + 0.5f)), 0, height_ - 1);
-  return PixelDensity(x, y);
+  return EnvironmentDensity(tables_, ToLane(direction));
 }
 
 EnvironmentMap MakeStudioEnvironment(int width) {

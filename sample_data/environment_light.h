@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "sample_data/lanes/scene_tables.h"
 #include "sample_data/scene_description.h"
 
 namespace lfm {
@@ -26,13 +27,15 @@ class EnvironmentLight {
   /// Throws Error when the map's picture is not float RGB, has a negative or non-finite value, or
   /// is zero everywhere, or when its gain is not positive and finite.
   EnvironmentLight(const Lighting& room, const EnvironmentMap& map);
+  EnvironmentLight(const EnvironmentLight&) = delete;
+  EnvironmentLight& operator=(const EnvironmentLight&) = delete;
 
   /// Radiance that arrives out of `direction` (unit, away from the point).
   Eigen::Vector3f Radiance(const Eigen::Vector3f& direction) const;
   /// False for a room without a map, which is too even to be worth shadow rays of its own: the
   /// paths that leave the scene find it. Draw and Density must then not be called.
   bool IsSampled() const { return !rows_.empty(); }
-  bool IsBlack() const { return room_is_black_ && map_.image == nullptr; }
+  bool IsBlack() const { return tables_.room_is_black && !IsSampled(); }
 
   struct Sample {
     Eigen::Vector3f direction, radiance;
@@ -41,16 +44,19 @@ class EnvironmentLight {
   Sample Draw(float u1, float u2) const;
   float Density(const Eigen::Vector3f& direction) const;
 
- private:
-  float PixelDensity(int x, int y) const;
+  /// The same for sample_data/lanes; valid as long as this is. Lamps and directional light are not
+  /// filled in.
+  const LightTables& tables() const { return tables_; }
 
-  Lighting room_;
-  bool room_is_black_ = true;
+ private:
+  void Tabulate(const std::vector<double>& luminance);
+
   EnvironmentMap map_;
-  int width_ = 0, height_ = 0;
+  std::vector<float> pixels_;   // RGB
   std::vector<float> rows_;     // cumulative, height + 1
   std::vector<float> columns_;  // cumulative a row, (width + 1) each
   std::vector<float> density_;  // 1/sr a pixel
+  LightTables tables_;
 };
 
 /// A photographer's room made by the program: a soft gradient from floor to ceiling, a large square

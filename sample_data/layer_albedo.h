@@ -4,6 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "sample_data/lanes/layer_lookup.h"
+#include "sample_data/material.h"
+
 namespace lfm {
 
 /// Directional albedos of layers that lie over a diffuse base, tabulated, so that the base gets
@@ -23,6 +26,8 @@ class DielectricAlbedo {
   DielectricAlbedo();
   float At(float ior, float alpha, float cosine) const;
   float Mean(float ior, float alpha) const;
+  const std::vector<float>& table() const { return table_; }  ///< LayerTables::dielectric
+  const std::vector<float>& mean() const { return mean_; }
 
  private:
   std::vector<float> table_, mean_;
@@ -34,6 +39,8 @@ class FuzzAlbedo {
   FuzzAlbedo();
   float At(float alpha, float cosine) const;
   float Mean(float alpha) const;
+  const std::vector<float>& table() const { return table_; }  ///< LayerTables::fuzz
+  const std::vector<float>& mean() const { return mean_; }
 
  private:
   std::vector<float> table_, mean_;
@@ -42,5 +49,7 @@ class FuzzAlbedo {
 /// The tables, made on first use (about 0.1 s, the same everywhere) and never changed.
 const DielectricAlbedo& DielectricAlbedoTable();
 const FuzzAlbedo& FuzzAlbedoTable();
+/// What a kind of material looks up, for sample_data/lanes; the tables of other kinds are null.
+LayerTables LayerTablesFor(MaterialKind kind);
 
 }  // namespace lfm

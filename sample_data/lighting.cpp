@@ -6,19 +6,19 @@
 #include <cmath>
 #include <numbers>
 
+#include "sample_data/lanes/lane_lights.h"
+
 namespace lfm {
 
 Eigen::Vector3f Lighting::Environment(const Eigen::Vector3f& direction) const {
-  const float up = std::clamp(direction.z(), -1.0f, 1.0f);
-  const Eigen::Vector3f& end = up > 0 ? sky : ground;
-  const float t = std::abs(up);
-  // Two broad, soft bright walls, so that the room is not the same all round: the sine of
-  // 2 azimuth + 0.7, without the azimuth.
-  const float x = direction.x(), y = direction.y(), planar = x * x + y * y;
-  const float sine =
-      planar > 1e-12f ? (0.764842187f * 2 * x * y + 0.644217687f * (x * x - y * y)) / planar : 0;
-  const float walls = 1 + 0.5f * sine * (1 - t);
-  return walls * wall + t * (end - wall);
+  LightTables room;
+  for (int c = 0; c < 3; ++c) {
+    room.sky[c] = sky[c];
+    room.wall[c] = wall[c];
+    room.ground[c] = ground[c];
+  }
+  const Vec<float> radiance = RoomRadiance(room, Vec<float>{direction.x(), direction.y(), direction.z()});
+  return {radiance.x, radiance.y, radiance.z};
 }
 
 AreaLight AimLight(const Eigen::Vector3d& target, double azimuth_deg, double elevation_deg,

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "core/error.h"
-#include "sample_data/bsdf.h"
-#include "sample_data/microfacet.h"
 
 namespace lfm {
 namespace {
@@ -15,301 +14,220 @@ namespace {
 using V3f = Eigen::Vector3f;
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr float kShort = 1 - 1e-4f;  // shadow rays end a little before their lamp
-constexpr int kRouletteFrom = 8, kLongestPath = 32;
-// Pairs of random numbers that a surface takes, by what for.
-constexpr uint32_t kPairsPerSurface = 64;
-enum Slot : uint32_t { kLobe, kDirection, kEnvironment, kChoice, kFirstLamp };
+constexpr int kLane = 16;
 
-// Rays that wait for an answer, sixteen to a packet, and what each brings if its way is free.
-class ShadowQueue {
+// Arrays cut out of one block, each with room for sixteen values more than it is asked for.
+class Arena {
  public:
-  void Add(const V3f& origin, const V3f& direction, float distance, const V3f& light, int path) {
-    const int lane = count_ % 16;
-    if (lane == 0) {
-      ShadowPacket& fresh = packets_.emplace_back();
-      for (int i = 0; i < 16; ++i) {
-        fresh.rays.tnear[i] = 0;
-        fresh.rays.tfar[i] = 0;
-        fresh.rays.time[i] = 0;
-        fresh.rays.mask[i] = ~0u;
-        fresh.rays.id[i] = 0;
-        fresh.rays.flags[i] = 0;
-        fresh.valid[i] = 0;
-      }
-    }
-    ShadowPacket& packet = packets_.back();
-    packet.rays.org_x[lane] = origin.x();
-    packet.rays.org_y[lane] = origin.y();
-    packet.rays.org_z[lane] = origin.z();
-    packet.rays.dir_x[lane] = direction.x();
-    packet.rays.dir_y[lane] = direction.y();
-    packet.rays.dir_z[lane] = direction.z();
-    packet.rays.tfar[lane] = distance;
-    packet.valid[lane] = -1;
-    gains_.push_back({light, path});
-    ++count_;
-  }
-
-  void Reserve(size_t rays) {
-    packets_.reserve(rays / 16 + 1);
-    gains_.reserve(rays);
-  }
-
-  template <typename Gain>
-  int Flush(const TracedScene& scene, RayOrder order, std::vector<ShadowPacket>* log,
-            const Gain& gain) {
-    if (log != nullptr) log->insert(log->end(), packets_.begin(), packets_.end());
-    for (ShadowPacket& packet : packets_) scene.Occlude(packet.valid, packet.rays, order);
-    for (int i = 0; i < count_; ++i) {
-      if (packets_[i / 16].rays.tfar[i % 16] < 0) continue;
-      gain(gains_[i].path, gains_[i].light);
-    }
-    const int flushed = count_;
-    packets_.clear();
-    gains_.clear();
-    count_ = 0;
-    return flushed;
+  explicit Arena(size_t words) : block_(std::make_unique_for_overwrite<float[]>(words)) {}
+  template <typename T>
+  T* Take(size_t count) {
+    T* taken = reinterpret_cast<T*>(block_.get() + used_);
+    used_ += (count + kLane) * sizeof(T) / sizeof(float);
+    return taken;
   }
 
  private:
-  struct Gain {
-    V3f light;
-    int path;
-  };
-  std::vector<ShadowPacket> packets_;
-  std::vector<Gain> gains_;
-  int count_ = 0;
+  std::unique_ptr<float[]> block_;  // aligned for 64-bit values: from operator new
+  size_t used_ = 0;
 };
 
-struct Path {
-  V3f origin, direction;
-  V3f throughput = V3f::Ones();
-  V3f absorption = V3f::Zero();
-  float density = 0;       // with which the ray was drawn, 1/sr
-  float lamp_share = 1;    // probability that a lamp was asked where the ray began
-  float index_ratio2 = 1;  // n^2 of the medium: what `throughput` lacks inside glass
-  int bounces = 0, surfaces = 0;
-  bool delta = true;    // nothing but the ray itself can find its light
-  bool inside = false;  // of an absorbing glass
-  PathKey key;
-};
+constexpr size_t kWaveWords = 20, kQueueWords = 11;  // of four bytes, a path
 
-// The power heuristic's weight of a sample of density `a` beside another strategy's `b`. Grazing
-// lamps may have densities whose squares overflow: then `b` wins.
-float Power(float a, float b) { return a * a / (a * a + b * b); }
+PathWave MakeWave(Arena& arena, size_t paths) {
+  PathWave wave;
+  wave.set = arena.Take<uint64_t>(paths);
+  for (auto* vector : {wave.origin, wave.direction, wave.throughput, wave.absorption}) {
+    for (int c = 0; c < 3; ++c) vector[c] = arena.Take<float>(paths);
+  }
+  wave.density = arena.Take<float>(paths);
+  wave.index_ratio2 = arena.Take<float>(paths);
+  for (auto** array : {&wave.bounces, &wave.state, &wave.index, &wave.ray}) {
+    *array = arena.Take<int32_t>(paths);
+  }
+  return wave;
+}
+
+ShadowQueue MakeQueue(Arena& arena, size_t rays) {
+  ShadowQueue queue;
+  for (auto* vector : {queue.origin, queue.direction, queue.light}) {
+    for (int c = 0; c < 3; ++c) vector[c] = arena.Take<float>(rays);
+  }
+  queue.distance = arena.Take<float>(rays);
+  queue.ray = arena.Take<int32_t>(rays);
+  return queue;
+}
+
+void CopyLanes(const float* from, float* to) { std::copy(from, from + kLane, to); }
 
 class Batch {
  public:
-  Batch(const PathTracer& tracer, std::span<const PathRay> rays, std::span<V3f> radiance,
-        RayLog* log)
-      : tracer_(tracer), scene_(tracer.scene()), radiance_(radiance), log_(log) {
-    lamp_queues_.resize(tracer.lamps().size() + tracer.directional().size() + 1);
-    for (size_t l = 0; l < tracer.lamps().size(); ++l) lamp_queues_[l].Reserve(rays.size());
-    paths_.resize(rays.size());
+  Batch(const PathTracer& tracer, const PathKernels& kernels, std::span<const PathRay> rays,
+        std::span<V3f> radiance, RayLog* log)
+      : tracer_(tracer),
+        scene_(tracer.scene()),
+        kernels_(kernels),
+        radiance_(radiance),
+        log_(log),
+        arena_(Words(tracer, rays.size())) {
+    const LightTables& lights = tracer.lights();
+    wave_ = MakeWave(arena_, rays.size());
+    next_ = MakeWave(arena_, rays.size());
+    for (size_t q = 0; q < Queues(tracer); ++q) asked_.push_back(MakeQueue(arena_, rays.size()));
+    last_ = MakeQueue(arena_, rays.size() * (static_cast<size_t>(lights.lamps) + 1));
+    wave_.count = static_cast<int>(rays.size());
     for (size_t i = 0; i < rays.size(); ++i) {
-      paths_[i].origin = rays[i].origin;
-      paths_[i].direction = rays[i].direction;
-      paths_[i].key = rays[i].key;
-      active_.push_back(static_cast<int>(i));
+      for (int c = 0; c < 3; ++c) {
+        wave_.origin[c][i] = rays[i].origin[c];
+        wave_.direction[c][i] = rays[i].direction[c];
+        wave_.throughput[c][i] = 1;
+        wave_.absorption[c][i] = 0;
+      }
+      wave_.density[i] = 0;
+      wave_.index_ratio2[i] = 1;
+      wave_.bounces[i] = 0;
+      wave_.state[i] = kDelta;
+      wave_.index[i] = static_cast<int32_t>(rays[i].key.index);
+      wave_.set[i] = rays[i].key.set;
+      wave_.ray[i] = static_cast<int32_t>(i);
       radiance_[i] = V3f::Zero();
     }
+    // The kernels read whole packs: beyond the last path they meet copies of values, never rubbish.
+    ClearTail(wave_);
   }
 
   RayCounts Run() {
-    for (bool first = true; !active_.empty(); first = false) {
-      (first ? counts_.camera : counts_.bounce) += static_cast<int64_t>(active_.size());
-      next_.clear();
-      for (size_t begin = 0; begin < active_.size(); begin += 16) {
-        const int lanes = static_cast<int>(std::min<size_t>(16, active_.size() - begin));
-        RayPacket packet;
-        for (int lane = 0; lane < lanes; ++lane) {
-          const Path& path = paths_[active_[begin + lane]];
-          packet.Set(lane, path.origin, path.direction, 0, kFar);
-        }
-        if (log_ != nullptr) (first ? log_->camera : log_->bounce).push_back(packet);
-        scene_.Intersect(packet, first ? RayOrder::kCoherent : RayOrder::kScattered);
-        for (int lane = 0; lane < lanes; ++lane) Arrive(active_[begin + lane], packet, lane);
-      }
-      const auto gain = [this](int path, const V3f& light) { radiance_[path] += light; };
+    for (int surfaces = 0; wave_.count > 0; ++surfaces) {
+      const bool first = surfaces == 0;
+      (first ? counts_.camera : counts_.bounce) += wave_.count;
+      next_.count = 0;
+      for (int begin = 0; begin < wave_.count; begin += kLane) TracePack(surfaces, begin);
       const RayOrder order = first ? RayOrder::kCoherent : RayOrder::kScattered;
-      for (ShadowQueue& queue : lamp_queues_) {
-        std::vector<ShadowPacket>* log = log_ == nullptr ? nullptr
-                                         : first         ? &log_->near_shadow
-                                                         : &log_->far_shadow;
-        counts_.shadow += queue.Flush(scene_, order, log, gain);
-      }
-      counts_.shadow += last_queue_.Flush(scene_, RayOrder::kScattered,
-                                          log_ == nullptr ? nullptr : &log_->far_shadow, gain);
-      active_.swap(next_);
+      std::vector<ShadowPacket>* log = log_ == nullptr ? nullptr
+                                       : first         ? &log_->near_shadow
+                                                       : &log_->far_shadow;
+      for (ShadowQueue& queue : asked_) Flush(queue, order, log);
+      Flush(last_, RayOrder::kScattered, log_ == nullptr ? nullptr : &log_->far_shadow);
+      std::swap(wave_, next_);
+      ClearTail(wave_);
     }
     return counts_;
   }
 
  private:
-  static uint32_t Pair(const Path& path, uint32_t slot) {
-    return static_cast<uint32_t>(path.surfaces) * kPairsPerSurface + slot;
+  static size_t Queues(const PathTracer& tracer) {
+    return static_cast<size_t>(tracer.lights().lamps) + tracer.lights().parallel + 1;
+  }
+  static size_t Words(const PathTracer& tracer, size_t rays) {
+    const size_t last = rays * (static_cast<size_t>(tracer.lights().lamps) + 1);
+    return 2 * kWaveWords * (rays + kLane) +
+           kQueueWords * (Queues(tracer) * (rays + kLane) + last + kLane);
   }
 
-  void Arrive(int index, const RayPacket& packet, int lane) {
-    Path& path = paths_[index];
-    const bool hit = packet.rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-    const float distance = hit ? packet.rays.ray.tfar[lane] : kFar;
-    ForEachEmitter(
-        path, path.origin, path.direction, path.throughput, distance,
-        [&](const V3f& light, float) { radiance_[index] += Limited(path, path.surfaces, light); });
-    if (!hit || path.surfaces >= kLongestPath) return;
-    if (path.inside) {
-      path.throughput.array() *= (-distance * path.absorption.array()).exp();
-    }
-    const SurfacePoint surface = scene_.Surface(packet, lane, path.direction);
-    const Material& material = surface.material;
-    const bool delta = IsDelta(material);
-    const bool uncounted = delta || material.kind == MaterialKind::kGlass;
-    if (path.bounces > tracer_.bounces() && !uncounted) return;
-    const V3f o = surface.frame.Local(-path.direction);
-    if (!delta) Illuminate(index, surface, o);
-    Scatter(index, surface, o, uncounted);
-  }
-
-  // `light` that came over `surfaces` surfaces, held below the limit for what came over two or more
-  // of which one is counted.
-  V3f Limited(const Path& path, int surfaces, const V3f& light) const {
-    if (surfaces < 2 || path.bounces < 1) return light;
-    const float most = light.maxCoeff(), limit = tracer_.indirect_limit();
-    return most > limit ? V3f(limit / most * light) : light;
-  }
-
-  // Calls take(light, distance) for every emitter that the ray meets before `limit`.
-  template <typename Take>
-  void ForEachEmitter(const Path& path, const V3f& origin, const V3f& direction,
-                      const V3f& throughput, float limit, const Take& take) {
-    for (const LampLight32& lamp : tracer_.lamps()) {
-      const float t = lamp.Meet(origin, direction);
-      if (!(t > 0) || !(t < limit)) continue;
-      const float weight =
-          path.delta ? 1 : Power(path.density, path.lamp_share * lamp.Density(direction, t));
-      take(weight * throughput.cwiseProduct(lamp.radiance), t);
-    }
-    const EnvironmentLight& environment = tracer_.environment();
-    if (limit < kFar || environment.IsBlack()) return;
-    const float weight = path.delta || !environment.IsSampled()
-                             ? 1
-                             : Power(path.density, environment.Density(direction));
-    take(weight * throughput.cwiseProduct(environment.Radiance(direction)), kFar);
-  }
-
-  // The light that reaches the surface straight from what can be asked.
-  void Illuminate(int index, const SurfacePoint& surface, const V3f& o) {
-    const Path& path = paths_[index];
-    const size_t lamps = tracer_.lamps().size(), parallel = tracer_.directional().size();
-    const bool all = path.surfaces == 0;
-    const float choice = all ? 0 : RandomPair(path.key, Pair(path, kChoice))[0];
-    const auto chosen = [&](size_t count, size_t i) {
-      return all ||
-             i == std::min(count - 1, static_cast<size_t>(choice * static_cast<float>(count)));
-    };
-    for (size_t l = 0; l < lamps; ++l) {
-      if (!chosen(lamps, l)) continue;
-      const auto u = RandomPair(path.key, Pair(path, kFirstLamp + static_cast<uint32_t>(l)));
-      const LampLight32& lamp = tracer_.lamps()[l];
-      const LampLight32::Sample sample = lamp.Draw(surface.position, u[0], u[1]);
-      const float density = sample.density * (all ? 1 : 1 / static_cast<float>(lamps));
-      Ask(index, surface, o, sample.direction, sample.distance * kShort, density, lamp.radiance,
-          lamp_queues_[l]);
-    }
-    if (tracer_.environment().IsSampled()) {
-      const auto u = RandomPair(path.key, Pair(path, kEnvironment));
-      const EnvironmentLight::Sample sample = tracer_.environment().Draw(u[0], u[1]);
-      Ask(index, surface, o, sample.direction, kFar, sample.density, sample.radiance,
-          lamp_queues_[lamps]);
-    }
-    for (size_t l = 0; l < parallel; ++l) {
-      if (!chosen(parallel, l)) continue;
-      const DirectionalLight& light = tracer_.directional()[l];
-      const V3f i = surface.frame.Local(light.to_light);
-      if (!SameSide(surface, i, light.to_light)) continue;
-      const V3f value = EvaluateBsdf(surface.material, o, i).value;
-      if (value.isZero(0)) continue;
-      const float share = all ? 1 : 1 / static_cast<float>(parallel);
-      lamp_queues_[lamps + 1 + l].Add(
-          TracedScene::Departure(surface, light.to_light), light.to_light, kFar,
-          Limited(path, path.surfaces + 1,
-                  path.throughput.cwiseProduct(value).cwiseProduct(light.irradiance) / share),
-          index);
+  static void ClearTail(PathWave& wave) {
+    const int end = wave.count, to = (end + kLane - 1) / kLane * kLane;
+    for (int i = end; i < to; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        wave.origin[c][i] = wave.throughput[c][i] = wave.absorption[c][i] = 0;
+        wave.direction[c][i] = c == 2 ? 1 : 0;
+      }
+      wave.density[i] = 0;
+      wave.index_ratio2[i] = 1;
+      wave.bounces[i] = wave.state[i] = wave.index[i] = wave.ray[i] = 0;
+      wave.set[i] = 0;
     }
   }
 
-  void Ask(int index, const SurfacePoint& surface, const V3f& o, const V3f& direction,
-           float distance, float density, const V3f& radiance, ShadowQueue& queue) {
-    if (!(density > 0)) return;
-    const V3f i = surface.frame.Local(direction);
-    if (!SameSide(surface, i, direction)) return;
-    const BsdfValue value = EvaluateBsdf(surface.material, o, i);
-    if (value.value.isZero(0)) return;
-    const V3f light = paths_[index].throughput.cwiseProduct(value.value).cwiseProduct(radiance) *
-                      (density / (density * density + value.density * value.density));
-    const Path& path = paths_[index];
-    queue.Add(TracedScene::Departure(surface, direction), direction, distance,
-              Limited(path, path.surfaces + 1, light), index);
+  void TracePack(int surfaces, int begin) {
+    const int lanes = std::min(kLane, wave_.count - begin);
+    RayPacket packet;
+    RTCRay16& ray = packet.rays.ray;  // all else is 0
+    CopyLanes(wave_.origin[0] + begin, ray.org_x);
+    CopyLanes(wave_.origin[1] + begin, ray.org_y);
+    CopyLanes(wave_.origin[2] + begin, ray.org_z);
+    CopyLanes(wave_.direction[0] + begin, ray.dir_x);
+    CopyLanes(wave_.direction[1] + begin, ray.dir_y);
+    CopyLanes(wave_.direction[2] + begin, ray.dir_z);
+    for (int lane = 0; lane < kLane; ++lane) {
+      ray.tnear[lane] = 0;
+      ray.tfar[lane] = kFar;
+      ray.mask[lane] = ~0u;
+      packet.rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      packet.valid[lane] = lane < lanes ? -1 : 0;
+    }
+    if (log_ != nullptr) (surfaces == 0 ? log_->camera : log_->bounce).push_back(packet);
+    scene_.Intersect(packet, surfaces == 0 ? RayOrder::kCoherent : RayOrder::kScattered);
+
+    // RTC_INVALID_GEOMETRY_ID is -1.
+    const RTCHit16& hit = packet.rays.hit;
+    FetchJob fetch;
+    fetch.scene = &scene_.tables();
+    fetch.wave = &wave_;
+    fetch.begin = begin;
+    fetch.geometry = reinterpret_cast<const int32_t*>(hit.geomID);
+    fetch.triangle = reinterpret_cast<const int32_t*>(hit.primID);
+    fetch.u = hit.u;
+    fetch.v = hit.v;
+    fetch.distance = ray.tfar;
+    SurfacePack surface;
+    kernels_.fetch(fetch, surface);
+    scene_.LookUpColors(packet, lanes, surface);
+
+    ShadeJob shade;
+    shade.scene = &scene_.tables();
+    shade.lights = &tracer_.lights();
+    shade.limits = {tracer_.bounces(), tracer_.indirect_limit(), scene_.HasSpecularPaths()};
+    shade.surfaces = surfaces;
+    shade.wave = &wave_;
+    shade.begin = begin;
+    shade.lanes = lanes;
+    shade.surface = &surface;
+    shade.next = &next_;
+    shade.asked = asked_.data();
+    shade.last = &last_;
+    shade.radiance = radiance_.data()->data();
+    kernels_.shade(shade);
   }
 
-  // Whether a direction is on the same side of the facet as of the shading normal: else light would
-  // leak through surfaces. Opaque surfaces scatter to the eye's side only.
-  static bool SameSide(const SurfacePoint& surface, const V3f& local, const V3f& direction) {
-    const float facet = surface.facet.dot(direction);
-    if (surface.material.kind == MaterialKind::kGlass) return facet * local.z() > 0;
-    return facet > 0 && local.z() > 0;
-  }
-
-  void Scatter(int index, const SurfacePoint& surface, const V3f& o, bool uncounted) {
-    Path& path = paths_[index];
-    const auto lobe = RandomPair(path.key, Pair(path, kLobe));
-    const auto u = RandomPair(path.key, Pair(path, kDirection));
-    const BsdfSample sample = SampleBsdf(surface.material, o, lobe[0], u[0], u[1]);
-    if (sample.weight.isZero(0)) return;
-    const V3f direction = UnitVector(surface.frame.World(sample.direction));
-    if (!SameSide(surface, sample.direction, direction)) return;
-    path.throughput = path.throughput.cwiseProduct(sample.weight);
-    path.density = sample.density;
-    path.delta = sample.delta;
-    path.lamp_share = path.surfaces == 0 || tracer_.lamps().empty()
-                          ? 1
-                          : 1 / static_cast<float>(tracer_.lamps().size());
-    path.index_ratio2 *= sample.index_ratio2;
-    path.bounces += !uncounted;
-    const V3f origin = TracedScene::Departure(surface, direction);
-    if (path.bounces > tracer_.bounces() && !scene_.HasSpecularPaths()) {
-      // Only emitters count any more: no need to know what is hit.
-      ForEachEmitter(path, origin, direction, path.throughput, kFar,
-                     [&](const V3f& light, float distance) {
-                       last_queue_.Add(origin, direction, distance * kShort,
-                                       Limited(path, path.surfaces + 1, light), index);
-                     });
-      return;
+  void Flush(ShadowQueue& queue, RayOrder order, std::vector<ShadowPacket>* log) {
+    ShadowPacket packet;
+    RTCRay16& ray = packet.rays;
+    for (int lane = 0; lane < kLane; ++lane) {
+      ray.tnear[lane] = ray.time[lane] = 0;
+      ray.mask[lane] = ~0u;
+      ray.id[lane] = ray.flags[lane] = 0;
     }
-    if (surface.material.kind == MaterialKind::kGlass) {
-      path.inside = sample.direction.z() < 0 && !surface.material.absorption_per_mm.isZero(0);
-      path.absorption = surface.material.absorption_per_mm;
+    for (int begin = 0; begin < queue.count; begin += kLane) {
+      const int lanes = std::min(kLane, queue.count - begin);
+      CopyLanes(queue.origin[0] + begin, ray.org_x);
+      CopyLanes(queue.origin[1] + begin, ray.org_y);
+      CopyLanes(queue.origin[2] + begin, ray.org_z);
+      CopyLanes(queue.direction[0] + begin, ray.dir_x);
+      CopyLanes(queue.direction[1] + begin, ray.dir_y);
+      CopyLanes(queue.direction[2] + begin, ray.dir_z);
+      CopyLanes(queue.distance + begin, ray.tfar);
+      for (int lane = 0; lane < kLane; ++lane) packet.valid[lane] = lane < lanes ? -1 : 0;
+      if (log != nullptr) log->push_back(packet);
+      scene_.Occlude(packet.valid, packet.rays, order);
+      for (int lane = 0; lane < lanes; ++lane) {
+        if (ray.tfar[lane] < 0) continue;
+        V3f& radiance = radiance_[queue.ray[begin + lane]];
+        for (int c = 0; c < 3; ++c) radiance[c] += queue.light[c][begin + lane];
+      }
     }
-    if (++path.surfaces >= kRouletteFrom) {
-      const float survival = std::min(0.95f, path.index_ratio2 * path.throughput.maxCoeff());
-      if (!(lobe[1] < survival)) return;
-      path.throughput /= survival;
-    }
-    path.origin = origin;
-    path.direction = direction;
-    next_.push_back(index);
+    counts_.shadow += queue.count;
+    queue.count = 0;
   }
 
   const PathTracer& tracer_;
   const TracedScene& scene_;
+  const PathKernels& kernels_;
   std::span<V3f> radiance_;
   RayLog* log_;
-  std::vector<Path> paths_;
-  std::vector<int> active_, next_;
-  std::vector<ShadowQueue> lamp_queues_;  // a lamp each, the environment, a directional light each
-  ShadowQueue last_queue_;
+  Arena arena_;
+  PathWave wave_, next_;
+  std::vector<ShadowQueue> asked_;  // a lamp each, the environment, a directional light each
+  ShadowQueue last_;
   RayCounts counts_;
 };
 
@@ -326,27 +244,47 @@ PathTracer::PathTracer(const TracedScene& scene, const SceneLights& lights, int 
                        float indirect_limit)
     : scene_(scene),
       environment_(lights.studio, lights.environment),
-      directional_(lights.directional),
       bounces_(bounces),
       indirect_limit_(indirect_limit) {
   if (!(indirect_limit > 0)) throw Error("the limit of indirect light must be positive");
   if (bounces < 0 || bounces > 64) {
     throw Error("bounces is " + std::to_string(bounces) + "; give a number from 0 to 64");
   }
+  const auto add = [](std::vector<float>& to, const V3f& v) {
+    to.insert(to.end(), v.data(), v.data() + 3);
+  };
   for (const AreaLight& lamp : lights.studio.lights) {
     if (!(lamp.Area() > 0)) throw Error("a lamp has no area; give it two sides");
-    lamps_.emplace_back(lamp);
+    const V3f half_u = lamp.half_u.cast<float>(), half_v = lamp.half_v.cast<float>();
+    add(lamps_, lamp.center.cast<float>());
+    add(lamps_, half_u);
+    add(lamps_, half_v);
+    add(lamps_, lamp.Normal().cast<float>());
+    add(lamps_, lamp.radiance);
+    lamps_.insert(lamps_.end(), {static_cast<float>(lamp.Area()), 1 / half_u.squaredNorm(),
+                                 1 / half_v.squaredNorm(), 0, 0});
   }
-  for (const DirectionalLight& light : directional_) {
+  for (const DirectionalLight& light : lights.directional) {
     if (!(std::abs(light.to_light.norm() - 1) < 1e-3f)) {
       throw Error("a directional light's direction must have length 1");
     }
+    add(directional_, light.to_light);
+    add(directional_, light.irradiance);
+    directional_.insert(directional_.end(), {0, 0});
   }
+  lights_ = environment_.tables();
+  lights_.lamps = static_cast<int>(lights.studio.lights.size());
+  lights_.lamp = lamps_.data();
+  lights_.parallel = static_cast<int>(lights.directional.size());
+  lights_.directional = directional_.data();
 }
 
-RayCounts PathTracer::Trace(std::span<const PathRay> rays, std::span<V3f> radiance,
-                            RayLog* log) const {
-  return Batch(*this, rays, radiance, log).Run();
+RayCounts PathTracer::Trace(std::span<const PathRay> rays, std::span<V3f> radiance, RayLog* log,
+                            const PathKernels* kernels) const {
+  if (rays.empty()) return {};
+  return Batch(*this, kernels != nullptr ? *kernels : UsablePathKernels().front(), rays, radiance,
+               log)
+      .Run();
 }
 
 V3f PathTracer::TraceRadiance(const V3f& origin, const V3f& direction, int samples, uint64_t seed,

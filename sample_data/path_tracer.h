@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sample_data/environment_light.h"
-#include "sample_data/lamp_light.h"
+#include "sample_data/lanes/path_kernels.h"
 #include "sample_data/sample_sequence.h"
 #include "sample_data/scene_description.h"
 #include "sample_data/traced_scene.h"
@@ -72,16 +72,16 @@ class PathTracer {
              float indirect_limit = std::numeric_limits<float>::infinity());
 
   const TracedScene& scene() const { return scene_; }
-  const EnvironmentLight& environment() const { return environment_; }
-  const std::vector<LampLight32>& lamps() const { return lamps_; }
-  const std::vector<DirectionalLight>& directional() const { return directional_; }
+  const LightTables& lights() const { return lights_; }
   int bounces() const { return bounces_; }
   float indirect_limit() const { return indirect_limit_; }
 
   /// Traces a batch (about a thousand rays is good; neighbours should be near each other) and sets
   /// radiance[k] to ray k's estimate. A ray's estimate does not depend on the rest of the batch.
+  ///
+  /// `kernels` says which of UsablePathKernels to run; all give the same bits. Null: the fastest.
   RayCounts Trace(std::span<const PathRay> rays, std::span<Eigen::Vector3f> radiance,
-                  RayLog* log = nullptr) const;
+                  RayLog* log = nullptr, const PathKernels* kernels = nullptr) const;
 
   /// The mean of `samples` paths along one ray (unit `direction`); numbers depend on (seed,
   /// stream).
@@ -91,8 +91,8 @@ class PathTracer {
  private:
   const TracedScene& scene_;
   EnvironmentLight environment_;
-  std::vector<LampLight32> lamps_;
-  std::vector<DirectionalLight> directional_;
+  std::vector<float> lamps_, directional_;  // as LightTables has them
+  LightTables lights_;
   int bounces_;
   float indirect_limit_;
 };

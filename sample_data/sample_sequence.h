@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sample_data/lanes/lane_random.h"
 #include "sample_data/random.h"
 
 namespace lfm {
@@ -27,19 +28,8 @@ inline uint64_t MakeSetKey(uint64_t seed, uint64_t stream, uint64_t item) {
 
 /// Two stratified numbers; `dimension` counts pairs.
 inline std::array<float, 2> RandomPair(const PathKey& key, uint32_t dimension) {
-  const uint64_t shared = ScrambleBits(key.set + 0xd1342543de82ef95ull * (dimension + 1));
-  const auto flip = [shared](int bit) { return static_cast<uint32_t>(shared >> bit) & 1u; };
-  // The order of the four points, then the two leading bits of each coordinate.
-  const uint32_t b0 = key.index & 1u, b1 = (key.index >> 1) & 1u;
-  const uint32_t i0 = b0 ^ flip(0), i1 = b1 ^ flip(1 + static_cast<int>(b0));
-  const uint32_t y0 = i0 ^ i1;
-  const uint32_t x = (i0 ^ flip(3)) << 1 | (i1 ^ flip(4 + static_cast<int>(i0)));
-  const uint32_t y = (y0 ^ flip(6)) << 1 | (i1 ^ flip(7 + static_cast<int>(y0)));
-  const uint64_t own = ScrambleBits(shared ^ (0x9e6c63d0676a9a99ull * (key.index + 1)));
-  const uint32_t jitter_x = static_cast<uint32_t>(own >> 42);
-  const uint32_t jitter_y = static_cast<uint32_t>(own >> 20) & 0x3fffffu;
-  return {static_cast<float>(x << 22 | jitter_x) * 0x1p-24f,
-          static_cast<float>(y << 22 | jitter_y) * 0x1p-24f};
+  const NumberPair<float> pair = RandomLanes<float>(key.set, key.index, dimension);
+  return {pair.first, pair.second};
 }
 
 }  // namespace lfm

@@ -6,23 +6,14 @@
 
 #include "core/error.h"
 #include "sample_data/bsdf.h"
-#include "sample_data/microfacet.h"
+#include "sample_data/lanes/lane_convert.h"
+#include "sample_data/lanes/lane_surface.h"
+#include "sample_data/layer_albedo.h"
 
 namespace lfm {
 namespace {
 
 using V3f = Eigen::Vector3f;
-
-// A tangent that runs round the vertical axis.
-V3f AroundVertical(const V3f& n) {
-  const V3f t(-n.y(), n.x(), 0);
-  const float length2 = t.squaredNorm();
-  return length2 > 1e-8f ? V3f((1 / std::sqrt(length2)) * t) : V3f(1, 0, 0);
-}
-
-bool Mirrors(const Material& material) {
-  return material.kind != MaterialKind::kLambert && material.kind != MaterialKind::kFuzz;
-}
 
 bool PassesLight(const SceneObject& object) {
   return object.material.kind == MaterialKind::kGlass || IsDelta(object.material);
@@ -36,45 +27,29 @@ TracedScene::TracedScene(const std::vector<SceneObject>& objects, std::vector<Pa
   if (!patches_.empty() && reflectance == nullptr) {
     throw Error("the set has no reflectance", ErrorKind::kSystem);
   }
-  geometry_.resize(objects.size() + 1);
-  for (size_t i = 0; i < objects.size(); ++i) {
-    const SceneObject& object = objects[i];
-    ValidateMesh(object.mesh, ("object '" + object.name + "'").c_str());
-    ValidateSurface(object);
-    if (PassesLight(object)) has_specular_paths_ = true;
-    Geometry& g = geometry_[i];
-    for (const auto& p : object.mesh.vertices) {
-      for (int c = 0; c < 3; ++c) g.positions.push_back(static_cast<float>(p[c]));
-    }
-    for (const auto& t : object.mesh.triangles) {
-      for (int c = 0; c < 3; ++c) g.indices.push_back(static_cast<unsigned>(t[c]));
-    }
-    const auto normals =
-        object.mesh.normals.empty() ? ComputeVertexNormals(object.mesh) : object.mesh.normals;
-    for (const auto& n : normals) {
-      for (int c = 0; c < 3; ++c) g.normals.push_back(static_cast<float>(n[c]));
-    }
-    g.texture_frame = MakeTextureFrame(object);
-    g.plain = object.paint.empty() && object.texture.kind == TextureKind::kNone;
-  }
-  Geometry& set = geometry_.back();
-  for (const Patch& patch : patches_) {
-    const unsigned first = static_cast<unsigned>(set.positions.size() / 3);
-    const Eigen::Vector3d corners[4] = {
-        patch.origin, patch.origin + patch.width * patch.u,
-        patch.origin + patch.width * patch.u + patch.height * patch.v,
-        patch.origin + patch.height * patch.v};
-    for (const auto& p : corners) {
-      for (int c = 0; c < 3; ++c) set.positions.push_back(static_cast<float>(p[c]));
-    }
-    for (unsigned corner : {0u, 1u, 2u, 0u, 2u, 3u}) set.indices.push_back(first + corner);
-  }
+  for (const SceneObject& object : objects) Add(object);
+  AddSet();
+  // Lanes without a hit read the first of everything, and Embree 16 bytes at the last vertex.
+  vertices_.resize(vertices_.size() + kVertexStride);
+  triangles_.resize(triangles_.size() + 3);
+  patch_floats_.resize(patch_floats_.size() + kPatchFloats);
+  tables_.vertices = vertices_.data();
+  tables_.triangles = triangles_.data();
+  tables_.geometry_ints = geometry_ints_.data();
+  tables_.geometry_floats = geometry_floats_.data();
+  tables_.patches = patch_floats_.data();
 
   device_ = rtcNewDevice(nullptr);
   if (device_ == nullptr) throw Error("Embree could not be started", ErrorKind::kSystem);
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  for (size_t i = 0; i < geometry_.size(); ++i) Attach(static_cast<unsigned>(i), geometry_[i]);
+  const size_t geometries = objects.size() + 1;
+  for (size_t i = 0; i < geometries; ++i) {
+    const int first = geometry_ints_[i * kGeometryInts];
+    const int end = i + 1 < geometries ? geometry_ints_[(i + 1) * kGeometryInts]
+                                       : static_cast<int>(triangles_.size() / 3) - 1;
+    Attach(static_cast<unsigned>(i), first, end - first);
+  }
   rtcCommitScene(scene_);
 }
 
@@ -83,15 +58,84 @@ TracedScene::~TracedScene() {
   rtcReleaseDevice(device_);
 }
 
-void TracedScene::Attach(unsigned id, Geometry& geometry) {
-  if (geometry.indices.empty()) return;
-  const size_t vertices = geometry.positions.size() / 3;
-  geometry.positions.push_back(0);  // Embree reads 16 bytes at the last vertex
+void TracedScene::Add(const SceneObject& object) {
+  ValidateMesh(object.mesh, ("object '" + object.name + "'").c_str());
+  ValidateSurface(object);
+  if (PassesLight(object)) has_specular_paths_ = true;
+  const bool painted = !object.paint.empty();
+  const MaterialKind kind = painted ? MaterialKind::kPaint : object.material.kind;
+  const LayerTables layers = LayerTablesFor(kind);
+  if (layers.dielectric != nullptr) {
+    tables_.layers.dielectric = layers.dielectric;
+    tables_.layers.dielectric_mean = layers.dielectric_mean;
+  }
+  if (layers.fuzz != nullptr) {
+    tables_.layers.fuzz = layers.fuzz;
+    tables_.layers.fuzz_mean = layers.fuzz_mean;
+  }
+  const Material& m = object.material;
+  const int32_t flags = (painted ? kPainted : 0) | (object.uv.empty() ? 0 : kHasCoordinates) |
+                        (!painted && object.texture.kind != TextureKind::kNone ? kLookedUp : 0);
+  const auto first_triangle = static_cast<int32_t>(triangles_.size() / 3);
+  geometry_ints_.insert(geometry_ints_.end(),
+                        {first_triangle, static_cast<int32_t>(kind), flags, 0});
+  const V3f &d = m.diffuse, &s = m.specular, &a = m.absorption_per_mm;
+  geometry_floats_.insert(geometry_floats_.end(),
+                          {d.x(), d.y(), d.z(), s.x(), s.y(), s.z(), m.exponent, m.alpha_u,
+                           m.alpha_v, m.ior, a.x(), a.y(), a.z(), 0, 0, 0});
+  texture_frames_.push_back(MakeTextureFrame(object));
+
+  const auto first_vertex = static_cast<int32_t>(vertices_.size() / kVertexStride);
+  const auto normals =
+      object.mesh.normals.empty() ? ComputeVertexNormals(object.mesh) : object.mesh.normals;
+  for (size_t v = 0; v < object.mesh.vertices.size(); ++v) {
+    const V3f p = object.mesh.vertices[v].cast<float>(), n = normals[v].cast<float>();
+    const Paint paint = painted ? object.paint[v] : Paint{};
+    const Eigen::Vector2f uv =
+        object.uv.empty() ? Eigen::Vector2f(Eigen::Vector2f::Zero()) : object.uv[v];
+    vertices_.insert(vertices_.end(),
+                     {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), paint.diffuse.x(),
+                      paint.diffuse.y(), paint.diffuse.z(), paint.coat.x(), paint.coat.y(),
+                      paint.coat.z(), paint.alpha, uv.x(), uv.y(), 0});
+  }
+  for (const auto& t : object.mesh.triangles) {
+    for (int c = 0; c < 3; ++c) triangles_.push_back(first_vertex + t[c]);
+  }
+}
+
+void TracedScene::AddSet() {
+  const Material plain;
+  geometry_ints_.insert(geometry_ints_.end(), {static_cast<int32_t>(triangles_.size() / 3),
+                                               kLaneLambert, kIsPatch | kLookedUp, 0});
+  geometry_floats_.insert(geometry_floats_.end(),
+                          {0.5f, 0.5f, 0.5f, 0, 0, 0, plain.exponent, plain.alpha_u, plain.alpha_v,
+                           plain.ior, 0, 0, 0, 0, 0, 0});
+  for (const Patch& patch : patches_) {
+    const auto first = static_cast<int32_t>(vertices_.size() / kVertexStride);
+    const V3f origin = patch.origin.cast<float>(), n = patch.Normal().cast<float>();
+    patch_floats_.insert(patch_floats_.end(),
+                         {origin.x(), origin.y(), origin.z(), n.x(), n.y(), n.z(), 0, 0});
+    const Eigen::Vector3d corners[4] = {
+        patch.origin, patch.origin + patch.width * patch.u,
+        patch.origin + patch.width * patch.u + patch.height * patch.v,
+        patch.origin + patch.height * patch.v};
+    for (const auto& corner : corners) {
+      const V3f p = corner.cast<float>();
+      vertices_.insert(vertices_.end(), {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), 0, 0, 0, 0, 0, 0,
+                                         0, 0, 0, 0});
+    }
+    for (const int corner : {0, 1, 2, 0, 2, 3}) triangles_.push_back(first + corner);
+  }
+}
+
+void TracedScene::Attach(unsigned id, int first_triangle, int triangles) {
+  if (triangles == 0) return;
   RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             geometry.positions.data(), 0, 3 * sizeof(float), vertices);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, geometry.indices.data(),
-                             0, 3 * sizeof(unsigned), geometry.indices.size() / 3);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices_.data(), 0,
+                             kVertexStride * sizeof(float), vertices_.size() / kVertexStride);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles_.data(),
+                             3 * sizeof(int32_t) * static_cast<size_t>(first_triangle),
+                             3 * sizeof(int32_t), static_cast<size_t>(triangles));
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(scene_, g, id);
   rtcReleaseGeometry(g);
@@ -113,102 +157,87 @@ void TracedScene::Occlude(const int* valid, RTCRay16& rays, RayOrder order) cons
   rtcOccluded16(valid, scene_, &context, &rays);
 }
 
-void TracedScene::FinishFrame(SurfacePoint& surface, V3f normal, const V3f* along,
-                              const V3f& to_eye) const {
-  constexpr float kGrazing = 0.02f;
-  const bool glass = surface.material.kind == MaterialKind::kGlass;
-  // The side of the facet that the eye is on; glass keeps its outward normal, all else turns.
-  const bool behind = surface.facet.dot(to_eye) < 0;
-  if (behind && !glass) {
-    surface.facet = -surface.facet;
-    normal = -normal;
-  }
-  const float side = behind && glass ? -1.0f : 1.0f;
-  V3f n = side * normal;
-  const V3f facet = side * surface.facet;
-  const float facing = n.dot(to_eye);
-  if (facing < kGrazing) n = UnitVector(n + (kGrazing - facing) * to_eye);
-  if (Mirrors(surface.material)) {
-    const V3f mirrored = 2 * n.dot(to_eye) * n - to_eye;
-    const float low = std::min(0.9f * facet.dot(to_eye), 0.01f), out = mirrored.dot(facet);
-    if (out < low) n = UnitVector(UnitVector(mirrored + (low - out) * facet) + to_eye);
-  }
-  surface.frame.z = side * n;
-  const V3f t = along != nullptr ? *along : AroundVertical(surface.frame.z);
-  V3f x = t - t.dot(surface.frame.z) * surface.frame.z;
-  const float length = x.norm();
-  surface.frame.x = length > 1e-4f ? V3f((1 / length) * x) : V3f(surface.frame.z.unitOrthogonal());
-  surface.frame.y = surface.frame.z.cross(surface.frame.x);
+namespace {
+
+SurfacePoint TurnedPoint(const LaneSurface<float>& found, const Material& material,
+                         const V3f& to_eye) {
+  SurfacePoint surface;
+  surface.position = FromLane(found.position);
+  surface.material = material;
+  const LaneFrame<float> frame = TurnToEye(found, ToLane(to_eye));
+  surface.facet = FromLane(frame.facet);
+  surface.frame = {FromLane(frame.x), FromLane(frame.y), FromLane(frame.z)};
+  return surface;
+}
+
+}  // namespace
+
+Material TracedScene::ColorsAt(int object, int triangle, float u, float v,
+                               const V3f& position) const {
+  return ResolveMaterial((*objects_)[object], texture_frames_[object], triangle, u, v, position);
 }
 
 SurfacePoint TracedScene::SurfaceAt(int object, int triangle, float u, float v,
                                     const V3f& to_eye) const {
-  const Geometry& g = geometry_[object];
-  const unsigned* t = &g.indices[3 * static_cast<size_t>(triangle)];
-  const auto corner = [&](const std::vector<float>& values, int c) {
-    return Eigen::Map<const V3f>(&values[3 * static_cast<size_t>(t[c])]);
-  };
-  const V3f a = corner(g.positions, 0), ab = corner(g.positions, 1) - a,
-            ac = corner(g.positions, 2) - a;
-  SurfacePoint surface;
+  LaneHit<float> hit = {object, triangle, u, v, 0, {0, 0, 0}, {0, 0, 0}};
+  LaneSurface<float> found = FetchSurface(tables_, hit);
+  const Material material = ColorsAt(object, triangle, u, v, FromLane(found.position));
+  found.material = ToLane(material);
+  SurfacePoint surface = TurnedPoint(found, material, to_eye);
   surface.object = object;
-  surface.position = a + u * ab + v * ac;
-  const V3f cross = ab.cross(ac);
-  const float area = cross.norm();
-  surface.facet = area > 0 ? V3f((1 / area) * cross) : V3f(0, 0, 1);
-  V3f normal =
-      (1 - u - v) * corner(g.normals, 0) + u * corner(g.normals, 1) + v * corner(g.normals, 2);
-  const float length = normal.norm();
-  normal = length > 1e-6f ? V3f((1 / length) * normal) : surface.facet;
-  if (normal.dot(surface.facet) < 0) normal = surface.facet;
-  const SceneObject& o = (*objects_)[object];
-  surface.material =
-      g.plain ? o.material : ResolveMaterial(o, g.texture_frame, triangle, u, v, surface.position);
-  if (!o.uv.empty() && surface.material.alpha_u != surface.material.alpha_v) {
-    const Eigen::Vector2f st = o.uv[t[1]] - o.uv[t[0]], pq = o.uv[t[2]] - o.uv[t[0]];
-    const float determinant = st.x() * pq.y() - st.y() * pq.x();
-    if (std::abs(determinant) > 1e-12f) {
-      const V3f along = (pq.y() * ab - st.y() * ac) / determinant;
-      const float size = along.norm();
-      if (size > 0) {
-        const V3f unit = along / size;
-        FinishFrame(surface, normal, &unit, to_eye);
-        return surface;
-      }
-    }
-  }
-  FinishFrame(surface, normal, nullptr, to_eye);
   return surface;
 }
 
 SurfacePoint TracedScene::Surface(const RayPacket& packet, int lane, const V3f& direction) const {
   const RTCHit16& hit = packet.rays.hit;
+  const RTCRay16& ray = packet.rays.ray;
   const unsigned id = hit.geomID[lane];
   if (IsObject(id)) {
     return SurfaceAt(static_cast<int>(id), static_cast<int>(hit.primID[lane]), hit.u[lane],
                      hit.v[lane], -direction);
   }
-  SurfacePoint surface;
-  surface.patch = static_cast<int>(hit.primID[lane] / 2);
-  const Patch& patch = patches_[surface.patch];
-  const RTCRay16& ray = packet.rays.ray;
-  surface.position =
-      V3f(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]) + ray.tfar[lane] * direction;
-  surface.facet = patch.Normal().cast<float>();
-  // Onto the plane exactly: prints are looked up there, and rays leave from there.
-  surface.position -=
-      surface.facet.dot(surface.position - patch.origin.cast<float>()) * surface.facet;
-  surface.material.kind = MaterialKind::kLambert;
-  surface.material.diffuse = V3f::Constant(reflectance_->Albedo(patch.material, surface.position));
-  FinishFrame(surface, surface.facet, nullptr, -direction);
+  const LaneHit<float> met = {static_cast<int32_t>(id),
+                              static_cast<int32_t>(hit.primID[lane]),
+                              hit.u[lane],
+                              hit.v[lane],
+                              ray.tfar[lane],
+                              {ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]},
+                              ToLane(direction)};
+  const LaneSurface<float> found = FetchSurface(tables_, met);
+  const int patch = met.triangle / 2;
+  Material material;
+  material.kind = MaterialKind::kLambert;
+  material.diffuse = V3f::Constant(
+      reflectance_->Albedo(patches_[patch].material, FromLane(found.position)));
+  SurfacePoint surface = TurnedPoint(found, material, -direction);
+  surface.patch = patch;
   return surface;
 }
 
+void TracedScene::LookUpColors(const RayPacket& packet, int lanes, SurfacePack& pack) const {
+  const RTCHit16& hit = packet.rays.hit;
+  for (int lane = 0; lane < lanes; ++lane) {
+    if ((pack.flags[lane] & kLookedUp) == 0) continue;
+    const V3f position(pack.position[0][lane], pack.position[1][lane], pack.position[2][lane]);
+    if ((pack.flags[lane] & kIsPatch) != 0) {
+      const Patch& patch = patches_[hit.primID[lane] / 2];
+      const float albedo = reflectance_->Albedo(patch.material, position);
+      for (auto& channel : pack.diffuse) channel[lane] = albedo;
+      continue;
+    }
+    const Material material =
+        ColorsAt(static_cast<int>(hit.geomID[lane]), static_cast<int>(hit.primID[lane]),
+                 hit.u[lane], hit.v[lane], position);
+    for (int c = 0; c < 3; ++c) {
+      pack.diffuse[c][lane] = material.diffuse[c];
+      pack.specular[c][lane] = material.specular[c];
+    }
+  }
+}
+
 V3f TracedScene::Departure(const SurfacePoint& surface, const V3f& direction) {
-  const V3f& p = surface.position;
-  const float size = std::max(20.0f, p.cwiseAbs().maxCoeff());
-  const float side = surface.facet.dot(direction) < 0 ? -1.0f : 1.0f;
-  return p + side * 1e-5f * size * surface.facet;
+  return FromLane(
+      DepartFrom(ToLane(surface.position), ToLane(surface.facet), ToLane(direction)));
 }
 
 }  // namespace lfm

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sample_data/lanes/path_kernels.h"
+#include "sample_data/lanes/scene_tables.h"
 #include "sample_data/material.h"
 #include "sample_data/scene_description.h"
 #include "sample_data/studio_scene.h"
@@ -72,22 +74,26 @@ class TracedScene {
   /// float32 rounds (Waechter and Binder 2019 explain why that is needed).
   static Eigen::Vector3f Departure(const SurfacePoint& surface, const Eigen::Vector3f& direction);
 
+  /// The scene for sample_data/lanes; valid as long as this is.
+  const SceneTables& tables() const { return tables_; }
+  /// Sets the colours of those of the first `lanes` points of a pack that are looked up one by one:
+  /// textures and prints.
+  void LookUpColors(const RayPacket& packet, int lanes, SurfacePack& pack) const;
+
  private:
-  struct Geometry {
-    std::vector<float> positions;  // x, y, z and padding for Embree
-    std::vector<unsigned> indices;
-    std::vector<float> normals;
-    TextureFrame texture_frame;
-    bool plain = true;  // one material all over
-  };
-  void Attach(unsigned id, Geometry& geometry);
-  void FinishFrame(SurfacePoint& surface, Eigen::Vector3f normal, const Eigen::Vector3f* along,
-                   const Eigen::Vector3f& to_eye) const;
+  void Add(const SceneObject& object);
+  void AddSet();
+  void Attach(unsigned id, int first_triangle, int triangles);
+  Material ColorsAt(int object, int triangle, float u, float v,
+                    const Eigen::Vector3f& position) const;
 
   const std::vector<SceneObject>* objects_;
   std::vector<Patch> patches_;
   const SetReflectance* reflectance_;
-  std::vector<Geometry> geometry_;  // an object each, then the set
+  std::vector<TextureFrame> texture_frames_;  // an object each
+  std::vector<float> vertices_, geometry_floats_, patch_floats_;
+  std::vector<int32_t> triangles_, geometry_ints_;
+  SceneTables tables_;
   bool has_specular_paths_ = false;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;

@@ -11,8 +11,9 @@
 
 #include "core/error.h"
 #include "sample_data/ggx.h"
+#include "sample_data/lanes/lane_convert.h"
+#include "sample_data/lanes/microfacet.h"
 #include "sample_data/layer_albedo.h"
-#include "sample_data/microfacet.h"
 #include "sample_data/random.h"
 #include "tests/sample_data/chi_square.h"
 
@@ -285,16 +286,17 @@ TEST(Bsdf, IsotropicGgxAgreesWithTheStudiosInDoublePrecision) {
     const V3f o = Direction(random.Uniform(0, 1.5), random.Uniform(0, 6));
     const V3f i = Direction(random.Uniform(0, 1.5), random.Uniform(0, 6));
     const float a = static_cast<float>(alpha);
-    const GgxReflected r = ReflectGgx(o, i, a, a);
+    const GgxReflected<float> r = ReflectGgx(ToLane(o), ToLane(i), a, a);
     const double value = GgxReflection(o.cast<double>(), i.cast<double>(), alpha);
     const double density =
         VisibleNormalReflectionDensity(o.cast<double>(), i.cast<double>(), alpha);
     EXPECT_NEAR(r.value, value, 1e-4 * value + 1e-6);
     EXPECT_NEAR(r.density, density, 1e-4 * density + 1e-6);
-    EXPECT_NEAR(GgxVisible(o, a, a), GgxMasking(o.z(), alpha), 1e-5);
+    EXPECT_NEAR(GgxVisible(ToLane(o), a, a), GgxMasking(o.z(), alpha), 1e-5);
     const double u1 = random.Uniform(), u2 = random.Uniform();
     const Eigen::Vector3d h = SampleVisibleNormal(o.cast<double>(), alpha, u1, u2);
-    const V3f mine = SampleGgxNormal(o, a, a, static_cast<float>(u1), static_cast<float>(u2));
+    const V3f mine = FromLane(
+        SampleGgxNormal(ToLane(o), a, a, static_cast<float>(u1), static_cast<float>(u2)));
     EXPECT_LT((mine.cast<double>() - h).norm(), 2e-3);
   }
 }
