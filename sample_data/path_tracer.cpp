@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -58,7 +59,7 @@ ShadowQueue MakeQueue(Arena& arena, size_t rays) {
   return queue;
 }
 
-void CopyLanes(const float* from, float* to) { std::copy(from, from + kLane, to); }
+void CopyLanes(const float* from, float* to) { std::memcpy(to, from, kLane * sizeof(float)); }
 
 class Batch {
  public:
@@ -197,6 +198,11 @@ class Batch {
       ray.mask[lane] = ~0u;
       ray.id[lane] = ray.flags[lane] = 0;
     }
+    // Embree looks at rays that are switched off, too: they must not be rubbish.
+    for (int i = queue.count; i % kLane != 0; ++i) {
+      for (int c = 0; c < 3; ++c) queue.origin[c][i] = queue.direction[c][i] = 0;
+      queue.distance[i] = 0;
+    }
     for (int begin = 0; begin < queue.count; begin += kLane) {
       const int lanes = std::min(kLane, queue.count - begin);
       CopyLanes(queue.origin[0] + begin, ray.org_x);
@@ -262,7 +268,8 @@ PathTracer::PathTracer(const TracedScene& scene, const SceneLights& lights, int 
     add(lamps_, lamp.Normal().cast<float>());
     add(lamps_, lamp.radiance);
     lamps_.insert(lamps_.end(), {static_cast<float>(lamp.Area()), 1 / half_u.squaredNorm(),
-                                 1 / half_v.squaredNorm(), 0, 0});
+                                 1 / half_v.squaredNorm()});
+    lamps_.resize(lamps_.size() + 6);
   }
   for (const DirectionalLight& light : lights.directional) {
     if (!(std::abs(light.to_light.norm() - 1) < 1e-3f)) {

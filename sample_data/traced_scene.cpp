@@ -94,9 +94,9 @@ void TracedScene::Add(const SceneObject& object) {
     const Eigen::Vector2f uv =
         object.uv.empty() ? Eigen::Vector2f(Eigen::Vector2f::Zero()) : object.uv[v];
     vertices_.insert(vertices_.end(),
-                     {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), paint.diffuse.x(),
+                     {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), uv.x(), uv.y(), paint.diffuse.x(),
                       paint.diffuse.y(), paint.diffuse.z(), paint.coat.x(), paint.coat.y(),
-                      paint.coat.z(), paint.alpha, uv.x(), uv.y(), 0});
+                      paint.coat.z(), paint.alpha, 0});
   }
   for (const auto& t : object.mesh.triangles) {
     for (int c = 0; c < 3; ++c) triangles_.push_back(first_vertex + t[c]);

@@ -15,10 +15,11 @@ struct LaneLamp {
 };
 template <typename F>
 LFM_LANE LaneLamp<F> FetchLamp(const LightTables& lights, IntOf<F> index) {
-  const IntOf<F> row = index * kLampFloats;
-  const auto vec = [&](int i) { return GatherVec<F>(lights.lamp, row + i); };
-  const auto number = [&](int i) { return Gather(lights.lamp, row + i); };
-  return {vec(0), vec(3), vec(6), vec(9), vec(12), number(15), number(16), number(17)};
+  const float* from = lights.lamp;
+  const Row<F> r = GatherRow(from, index * kLampFloats), s = GatherRow(from, index * kLampFloats + 8),
+               t = GatherRow(from, index * kLampFloats + 16);
+  return {{r.at[0], r.at[1], r.at[2]}, {r.at[3], r.at[4], r.at[5]}, {r.at[6], r.at[7], s.at[0]},
+          {s.at[1], s.at[2], s.at[3]}, {s.at[4], s.at[5], s.at[6]}, s.at[7], t.at[0], t.at[1]};
 }
 template <typename F>
 LFM_LANE LaneLamp<F> TheLamp(const LightTables& lights, int index) {

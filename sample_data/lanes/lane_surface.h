@@ -39,13 +39,12 @@ LFM_LANE Vec<F> UnitOr(const Vec<F>& v, float shortest, const Vec<F>& otherwise)
   return Select<F>(usable, (1.0f / Select(usable, length, Splat<F>(1))) * v, otherwise);
 }
 
-// The direction in which the first texture coordinate grows.
+// The direction in which the first texture coordinate grows; 0 where there is none.
 template <typename F>
-LFM_LANE Vec<F> AlongCoordinates(const float* vertices, IntOf<F> a, IntOf<F> b, IntOf<F> c,
+LFM_LANE Vec<F> AlongCoordinates(const Row<F>& a, const Row<F>& b, const Row<F>& c,
                                  const Vec<F>& ab, const Vec<F>& ac) {
-  const auto uv = [&](IntOf<F> vertex, int i) { return Gather(vertices, vertex + 13 + i); };
-  const F au = uv(a, 0), av = uv(a, 1);
-  const F s = uv(b, 0) - au, t = uv(b, 1) - av, p = uv(c, 0) - au, q = uv(c, 1) - av;
+  const F s = b.at[6] - a.at[6], t = b.at[7] - a.at[7];
+  const F p = c.at[6] - a.at[6], q = c.at[7] - a.at[7];
   const F determinant = s * q - t * p;
   const MaskOf<F> usable = Abs(determinant) > 1e-12f;
   const F inverse = 1.0f / Select(usable, determinant, Splat<F>(1));
@@ -55,17 +54,17 @@ LFM_LANE Vec<F> AlongCoordinates(const float* vertices, IntOf<F> a, IntOf<F> b, 
 
 template <typename F>
 LFM_LANE LaneMaterial<F> FetchMaterial(const SceneTables& scene, IntOf<F> geometry) {
-  const IntOf<F> row = geometry * kGeometryFloats;
-  const auto get = [&](int i) { return Gather(scene.geometry_floats, row + i); };
+  const Row<F> first = GatherRow(scene.geometry_floats, geometry * kGeometryFloats);
+  const Row<F> second = GatherRow(scene.geometry_floats, geometry * kGeometryFloats + 8);
   LaneMaterial<F> m;
   m.kind = Gather(scene.geometry_ints, geometry * kGeometryInts + 1);
-  m.diffuse = {get(0), get(1), get(2)};
-  m.specular = {get(3), get(4), get(5)};
-  m.exponent = get(6);
-  m.alpha_u = get(7);
-  m.alpha_v = get(8);
-  m.ior = get(9);
-  m.absorption = {get(10), get(11), get(12)};
+  m.diffuse = {first.at[0], first.at[1], first.at[2]};
+  m.specular = {first.at[3], first.at[4], first.at[5]};
+  m.exponent = first.at[6];
+  m.alpha_u = first.at[7];
+  m.alpha_v = second.at[0];
+  m.ior = second.at[1];
+  m.absorption = {second.at[2], second.at[3], second.at[4]};
   return m;
 }
 
@@ -80,38 +79,43 @@ LFM_LANE LaneSurface<F> FetchSurface(const SceneTables& scene, const LaneHit<F>&
   const IntOf<F> first = Gather(scene.geometry_ints, hit.geometry * kGeometryInts);
   const IntOf<F> triangle = (first + hit.triangle) * 3;
   const auto vertex = [&](int c) { return Gather(scene.triangles, triangle + c) * kVertexStride; };
-  const IntOf<F> a = vertex(0), b = vertex(1), c = vertex(2);
-  const float* v = scene.vertices;
-  const Vec<F> pa = GatherVec<F>(v, a);
-  const Vec<F> ab = GatherVec<F>(v, b) - pa, ac = GatherVec<F>(v, c) - pa;
+  const IntOf<F> va = vertex(0), vb = vertex(1), vc = vertex(2);
+  const Row<F> a = GatherRow(scene.vertices, va), b = GatherRow(scene.vertices, vb),
+               c = GatherRow(scene.vertices, vc);
+  const auto vec = [](const Row<F>& row, int i) {
+    return Vec<F>{row.at[i], row.at[i + 1], row.at[i + 2]};
+  };
+  const Vec<F> pa = vec(a, 0), ab = vec(b, 0) - pa, ac = vec(c, 0) - pa;
   s.position = pa + hit.u * ab + hit.v * ac;
   s.facet = UnitOr(Cross(ab, ac), 0.0f, {Splat<F>(0), Splat<F>(0), Splat<F>(1)});
   const F w = 1.0f - hit.u - hit.v;
-  const auto blend = [&](int i) {
-    return w * GatherVec<F>(v, a + i) + hit.u * GatherVec<F>(v, b + i) +
-           hit.v * GatherVec<F>(v, c + i);
-  };
-  s.normal = UnitOr(blend(3), 1e-6f, s.facet);
+  s.normal = UnitOr(w * vec(a, 3) + hit.u * vec(b, 3) + hit.v * vec(c, 3), 1e-6f, s.facet);
   s.normal = Select<F>(Dot(s.normal, s.facet) < 0.0f, s.facet, s.normal);
   const MaskOf<F> painted = (s.flags & kPainted) != 0;
   if (Any(painted)) {
-    s.material.diffuse = Select<F>(painted, blend(6), s.material.diffuse);
-    s.material.specular = Select<F>(painted, blend(9), s.material.specular);
-    const F alpha = w * Gather(v, a + 12) + hit.u * Gather(v, b + 12) + hit.v * Gather(v, c + 12);
+    const Row<F> ra = GatherRow(scene.vertices, va + 8), rb = GatherRow(scene.vertices, vb + 8),
+                 rc = GatherRow(scene.vertices, vc + 8);
+    const auto blend = [&](int i) { return w * ra.at[i] + hit.u * rb.at[i] + hit.v * rc.at[i]; };
+    const F alpha = blend(6);
+    s.material.diffuse =
+        Select<F>(painted, {blend(0), blend(1), blend(2)}, s.material.diffuse);
+    s.material.specular =
+        Select<F>(painted, {blend(3), blend(4), blend(5)}, s.material.specular);
     s.material.alpha_u = Select(painted, alpha, s.material.alpha_u);
     s.material.alpha_v = Select(painted, alpha, s.material.alpha_v);
   }
   const MaskOf<F> brushed =
       ((s.flags & kHasCoordinates) != 0) & (s.material.alpha_u != s.material.alpha_v);
   if (Any(brushed)) {
-    s.along = Select<F>(brushed, AlongCoordinates<F>(v, a, b, c, ab, ac), s.along);
+    s.along = Select<F>(brushed, AlongCoordinates<F>(a, b, c, ab, ac), s.along);
   }
   if (Any(patch)) {
     const IntOf<F> row = Select(patch, (hit.triangle >> 1) * kPatchFloats, SplatInt<IntOf<F>>(0));
-    const Vec<F> normal = GatherVec<F>(scene.patches, row + 3);
+    const Row<F> plane = GatherRow(scene.patches, row);
+    const Vec<F> normal = vec(plane, 3);
     const Vec<F> on_ray = hit.origin + hit.distance * hit.direction;
     // Onto the plane exactly: prints are looked up there, and rays leave from there.
-    const F off = Dot(normal, on_ray - GatherVec<F>(scene.patches, row));
+    const F off = Dot(normal, on_ray - vec(plane, 0));
     s.position = Select<F>(patch, on_ray - off * normal, s.position);
     s.facet = Select<F>(patch, normal, s.facet);
     s.normal = Select<F>(patch, normal, s.normal);

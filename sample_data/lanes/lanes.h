@@ -161,6 +161,46 @@ LFM_LANE Ints Gather(const int32_t* base, Ints index) {
   return values;
 }
 
+/// Eight values that follow each other in memory from base[index] on, a lane.
+template <typename F>
+struct Row {
+  F at[8];
+};
+LFM_LANE Row<float> GatherRow(const float* base, int32_t index) {
+  Row<float> row;
+  for (int i = 0; i < 8; ++i) row.at[i] = base[index + i];
+  return row;
+}
+LFM_LANE Row<Floats> GatherRow(const float* base, Ints index) {
+#if defined(__AVX2__)
+  // Eight loads, and a transposition by halves, quarters and eighths.
+  __m256 r[8], t[8];
+  for (int lane = 0; lane < 8; ++lane) r[lane] = _mm256_loadu_ps(base + index[lane]);
+  for (int i = 0; i < 4; ++i) {
+    t[i] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x20);
+    t[i + 4] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x31);
+  }
+  Row<Floats> row;
+  for (int half = 0; half < 8; half += 4) {
+    const __m256 a = _mm256_unpacklo_ps(t[half], t[half + 2]);
+    const __m256 b = _mm256_unpackhi_ps(t[half], t[half + 2]);
+    const __m256 c = _mm256_unpacklo_ps(t[half + 1], t[half + 3]);
+    const __m256 d = _mm256_unpackhi_ps(t[half + 1], t[half + 3]);
+    row.at[half] = reinterpret_cast<Floats>(_mm256_unpacklo_ps(a, c));
+    row.at[half + 1] = reinterpret_cast<Floats>(_mm256_unpackhi_ps(a, c));
+    row.at[half + 2] = reinterpret_cast<Floats>(_mm256_unpacklo_ps(b, d));
+    row.at[half + 3] = reinterpret_cast<Floats>(_mm256_unpackhi_ps(b, d));
+  }
+  return row;
+#else
+  Row<Floats> row;
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    for (int i = 0; i < 8; ++i) row.at[i][lane] = base[index[lane] + i];
+  }
+  return row;
+#endif
+}
+
 /// kLaneCount consecutive values; `from` and `to` need no alignment.
 LFM_LANE Floats LoadLanes(const float* from) {
   Floats values;

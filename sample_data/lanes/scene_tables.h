@@ -9,8 +9,8 @@ namespace lfm {
 
 /// A scene's surfaces as plain arrays, for sixteen lanes to gather from. World frame, mm.
 struct SceneTables {
-  /// kVertexStride a vertex: position (3), normal (3), painted diffuse (3), coat (3), roughness,
-  /// texture coordinates (2).
+  /// kVertexStride a vertex: position (3), normal (3), texture coordinates (2); painted diffuse
+  /// (3), coat (3), roughness, nothing.
   const float* vertices = nullptr;
   const int32_t* triangles = nullptr;  ///< three vertices each, counted over all geometries
   /// kGeometryInts a geometry: first triangle, kind of material, bits as below.
@@ -45,6 +45,6 @@ struct LightTables {
   const float* density = nullptr;  ///< 1/sr a pixel
 };
 /// Of a lamp: center, half_u, half_v, normal, radiance (3 each), area, 1/|half_u|^2, 1/|half_v|^2.
-inline constexpr int kLampFloats = 20, kParallelFloats = 8;
+inline constexpr int kLampFloats = 24, kParallelFloats = 8;
 
 }  // namespace lfm
