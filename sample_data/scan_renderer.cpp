@@ -47,8 +47,8 @@ class ScanTracer {
         eye_(camera_from_world.Center().cast<float>()),
         lamp_(projector_from_world_.Center().cast<float>()) {}
 
-  // sums: patterns.frames() values, in slot order, linear.
-  void TracePixel(int x, int y, float* sums) const {
+  // sums: patterns.frames() values, in slot order, linear. Counts rays in `counts`.
+  void TracePixel(int x, int y, float* sums, RayCounts& counts) const {
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
       const float* offset = kFinePattern[s];
@@ -56,6 +56,7 @@ class ScanTracer {
                  kFar);
     }
     subject_.scene->Intersect(packet, RayOrder::kCoherent);
+    counts.camera += kFineSamples;
     SurfacePoint first[kFineSamples];
     bool any = false, gathers = false;
     for (int s = 0; s < kFineSamples; ++s) {
@@ -67,10 +68,16 @@ class ScanTracer {
     const float share = static_cast<float>(exposure_.white * kPi / kPaintAlbedo) / kFineSamples;
     float factor[kFineSamples];
     for (int s = 0; s < kFineSamples; ++s) factor[s] = share * first[s].albedo / kPi;
-    AddProjected(first, factor, RayOrder::kCoherent, sums);
+    AddProjected(first, factor, RayOrder::kCoherent, sums, counts);
     float ambient = 0;
     if (gathers) {
-      ambient = AddBounce(x, y, first, share, sums);
+      RandomStream random(
+          seed_, picture_,
+          static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
+      const float part = 1 / static_cast<float>(exposure_.bounce_rays);
+      for (int ray = 0; ray < exposure_.bounce_rays; ++ray) {
+        ambient += part * AddBounce(random, first, part * share, sums, counts);
+      }
     } else {
       for (const SurfacePoint& p : first) ambient += p.albedo / kFineSamples;
     }
@@ -107,8 +114,8 @@ class ScanTracer {
   // Adds the projector's light on each point, times `factor`; hidden points get none. The points
   // of one pixel stand for stretches of the pattern as long as their spacing, so that the edges of
   // stripes come out smooth; scattered ones (of a bounce) stand for themselves.
-  void AddProjected(const SurfacePoint* points, const float* factor, RayOrder order,
-                    float* sums) const {
+  void AddProjected(const SurfacePoint* points, const float* factor, RayOrder order, float* sums,
+                    RayCounts& counts) const {
     RayPacket packet;
     Eigen::Vector2d pixels[kFineSamples];
     float weights[kFineSamples] = {};
@@ -130,6 +137,7 @@ class ScanTracer {
       const float near = static_cast<float>(kNearMm) / depth;
       weights[s] = factor[s] * near * near * facing / depth;
       packet.Set(s, origin, to_lamp, 0, 0.999f);
+      ++counts.shadow;
     }
     subject_.scene->Occlude(packet);
     const Eigen::Vector2d width = order == RayOrder::kCoherent
@@ -193,9 +201,8 @@ class ScanTracer {
 
   // One cosine-distributed ray a sample. Returns the mean of albedo times the share of the room
   // seen.
-  float AddBounce(int x, int y, const SurfacePoint* first, float share, float* sums) const {
-    RandomStream random(seed_, picture_,
-                        static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
+  float AddBounce(RandomStream& random, const SurfacePoint* first, float share, float* sums,
+                  RayCounts& counts) const {
     const double shift1 = random.Uniform(), shift2 = random.Uniform();
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
@@ -210,6 +217,7 @@ class ScanTracer {
       const V3f direction = radius * std::cos(angle) * t + radius * std::sin(angle) * b +
                             std::sqrt(std::max(0.0f, 1 - radius * radius)) * n;
       packet.Set(s, first[s].point + kOffsetMm * n, direction, 0, kFar);
+      ++counts.bounce;
     }
     subject_.scene->Intersect(packet, RayOrder::kScattered);
     SurfacePoint second[kFineSamples];
@@ -225,7 +233,7 @@ class ScanTracer {
       ambient += 0.5f * first[s].albedo * second[s].albedo / kFineSamples;
       factor[s] = share * first[s].albedo * second[s].albedo / kPi;
     }
-    AddProjected(second, factor, RayOrder::kScattered, sums);
+    AddProjected(second, factor, RayOrder::kScattered, sums, counts);
     return ambient;
   }
 
@@ -250,22 +258,24 @@ ScanExposure MakeScanExposure(const ScanTrouble& trouble) {
   return exposure;
 }
 
-std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
-                              const Pose& camera_from_world, const PatternTable& patterns,
-                              const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
-                              uint64_t picture) {
+ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                      const Pose& camera_from_world, const PatternTable& patterns,
+                      const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                      uint64_t picture) {
   const Camera& camera = rays.camera();
-  std::vector<Image> frames;
+  ScanFrames result;
+  std::vector<Image>& frames = result.pictures;
   for (int f = 0; f < patterns.frames(); ++f) {
     frames.emplace_back(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kSrgb);
   }
   const ScanTracer tracer(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
+  std::vector<RayCounts> counts(static_cast<size_t>(camera.height));
   ParallelFor(0, camera.height, [&](int64_t y) {
     std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width, 0.0f);
     std::vector<float> sums(patterns.frames());
     for (int x = 0; x < camera.width; ++x) {
       std::fill(sums.begin(), sums.end(), 0.0f);
-      tracer.TracePixel(x, static_cast<int>(y), sums.data());
+      tracer.TracePixel(x, static_cast<int>(y), sums.data(), counts[y]);
       for (int slot = 0; slot < patterns.frames(); ++slot) {
         rows[static_cast<size_t>(patterns.frame_of_slot()[slot]) * camera.width + x] = sums[slot];
       }
@@ -276,7 +286,40 @@ std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, co
                 static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, static_cast<int>(y)));
     }
   });
-  return frames;
+  for (const RayCounts& count : counts) result.rays += count;
+  return result;
+}
+
+NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                            const Pose& camera_from_world, const PatternTable& patterns,
+                            const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                            uint64_t picture, int row_step) {
+  constexpr uint64_t kAgain = 0x5ca2;
+  const Camera& camera = rays.camera();
+  const ScanTracer once(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
+  const ScanTracer again(subject, rig, rays, camera_from_world, patterns, exposure,
+                         ScrambleBits(seed ^ kAgain), picture);
+  const int first = std::min(row_step, camera.height) / 2;
+  std::vector<NoiseTally> tallies(
+      static_cast<size_t>((camera.height - first + row_step - 1) / row_step));
+  ParallelFor(0, static_cast<int64_t>(tallies.size()), [&](int64_t i) {
+    const int y = first + static_cast<int>(i) * row_step;
+    std::vector<float> a(patterns.frames()), b(patterns.frames());
+    RayCounts uncounted;
+    for (int x = 0; x < camera.width; ++x) {
+      std::fill(a.begin(), a.end(), 0.0f);
+      std::fill(b.begin(), b.end(), 0.0f);
+      once.TracePixel(x, y, a.data(), uncounted);
+      again.TracePixel(x, y, b.data(), uncounted);
+      for (int f = 0; f < patterns.frames(); ++f) {
+        const double difference = static_cast<double>(a[f]) - b[f];
+        tallies[i].Add(a[f], difference * difference / 2, sensor);
+      }
+    }
+  });
+  NoiseTally sum;
+  for (const NoiseTally& tally : tallies) sum += tally;
+  return sum;
 }
 
 }  // namespace lfm
