@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "sample_data/texture.h"
 
 namespace lfm {
 namespace {
