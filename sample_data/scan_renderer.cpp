@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "sample_data/random.h"
+#include "sample_data/scan_bounce.h"
 
 namespace lfm {
 namespace {
@@ -47,8 +48,16 @@ class ScanTracer {
         eye_(camera_from_world.Center().cast<float>()),
         lamp_(projector_from_world_.Center().cast<float>()) {}
 
-  // sums: patterns.frames() values, in slot order, linear. Counts rays in `counts`.
-  void TracePixel(int x, int y, float* sums, RayCounts& counts) const {
+  // Traces a row of the band; frames in slot order.
+  void TraceRow(int y, ScanBand& band, RayCounts& counts) const {
+    for (int x = 0; x < band.width; ++x) {
+      TracePixel(x, y, band.Direct(x, y), band.Bounce(x, y), band.Guide(x, y), counts);
+    }
+  }
+
+ private:
+  void TracePixel(int x, int y, float* direct, float* bounce, ScanGuide& guide,
+                  RayCounts& counts) const {
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
       const float* offset = kFinePattern[s];
@@ -59,33 +68,36 @@ class ScanTracer {
     counts.camera += kFineSamples;
     SurfacePoint first[kFineSamples];
     bool any = false, gathers = false;
+    guide.whole = true;
     for (int s = 0; s < kFineSamples; ++s) {
       first[s] = Resolve(packet, s);
       any |= first[s].valid;
       gathers |= first[s].bounces;
+      guide.whole &= first[s].bounces;
+      guide.point += first[s].point / kFineSamples;
+      guide.normal += first[s].normal / kFineSamples;
+      guide.albedo += first[s].albedo / kFineSamples;
     }
     if (!any) return;
     const float share = static_cast<float>(exposure_.white * kPi / kPaintAlbedo) / kFineSamples;
     float factor[kFineSamples];
     for (int s = 0; s < kFineSamples; ++s) factor[s] = share * first[s].albedo / kPi;
-    AddProjected(first, factor, RayOrder::kCoherent, sums, counts);
-    float ambient = 0;
-    if (gathers) {
-      RandomStream random(
-          seed_, picture_,
-          static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
-      const float part = 1 / static_cast<float>(exposure_.bounce_rays);
-      for (int ray = 0; ray < exposure_.bounce_rays; ++ray) {
-        ambient += part * AddBounce(random, first, part * share, sums, counts);
-      }
-    } else {
-      for (const SurfacePoint& p : first) ambient += p.albedo / kFineSamples;
+    AddProjected(first, factor, RayOrder::kCoherent, direct, counts);
+    const float ambient_light = static_cast<float>(exposure_.ambient / kPaintAlbedo);
+    if (!gathers) {
+      for (int f = 0; f < patterns_.frames(); ++f) direct[f] += ambient_light * guide.albedo;
+      return;
     }
-    const float level = static_cast<float>(exposure_.ambient / kPaintAlbedo) * ambient;
-    for (int f = 0; f < patterns_.frames(); ++f) sums[f] += level;
+    RandomStream random(seed_, picture_,
+                        static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
+    const float part = 1 / static_cast<float>(exposure_.bounce_rays);
+    float ambient = 0;
+    for (int ray = 0; ray < exposure_.bounce_rays; ++ray) {
+      ambient += part * AddBounce(random, first, part * share, bounce, counts);
+    }
+    for (int f = 0; f < patterns_.frames(); ++f) bounce[f] += ambient_light * ambient;
   }
 
- private:
   SurfacePoint Resolve(const RayPacket& packet, int lane) const {
     SurfacePoint p;
     const SurfaceHit hit = StudioScene::Hit(packet, lane);
@@ -270,12 +282,15 @@ ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const Pixe
   }
   const ScanTracer tracer(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
   std::vector<RayCounts> counts(static_cast<size_t>(camera.height));
-  ParallelFor(0, camera.height, [&](int64_t y) {
-    std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width, 0.0f);
+  ScanBand band(camera.width, 0, camera.height, patterns.frames());
+  ParallelFor(0, camera.height,
+              [&](int64_t y) { tracer.TraceRow(static_cast<int>(y), band, counts[y]); });
+  ParallelFor(0, camera.height, [&](int64_t row) {
+    const int y = static_cast<int>(row);
+    std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width);
     std::vector<float> sums(patterns.frames());
     for (int x = 0; x < camera.width; ++x) {
-      std::fill(sums.begin(), sums.end(), 0.0f);
-      tracer.TracePixel(x, static_cast<int>(y), sums.data(), counts[y]);
+      AddFilteredBounce(band, x, y, sums.data());
       for (int slot = 0; slot < patterns.frames(); ++slot) {
         rows[static_cast<size_t>(patterns.frame_of_slot()[slot]) * camera.width + x] = sums[slot];
       }
@@ -283,7 +298,7 @@ ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const Pixe
     for (int f = 0; f < patterns.frames(); ++f) {
       const uint64_t stream = (picture << 16) + static_cast<uint64_t>(f) + 1;
       ExposeRow(sensor, &rows[static_cast<size_t>(f) * camera.width], camera.width, seed, stream,
-                static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, static_cast<int>(y)));
+                static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, y));
     }
   });
   for (const RayCounts& count : counts) result.rays += count;
@@ -304,16 +319,21 @@ NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, cons
       static_cast<size_t>((camera.height - first + row_step - 1) / row_step));
   ParallelFor(0, static_cast<int64_t>(tallies.size()), [&](int64_t i) {
     const int y = first + static_cast<int>(i) * row_step;
-    std::vector<float> a(patterns.frames()), b(patterns.frames());
+    const int top = std::max(0, y - kBounceReach);
+    const int rows = std::min(camera.height - 1, y + kBounceReach) - top + 1;
+    ScanBand a(camera.width, top, rows, patterns.frames()), b = a;
     RayCounts uncounted;
+    for (int row = top; row < top + rows; ++row) {
+      once.TraceRow(row, a, uncounted);
+      again.TraceRow(row, b, uncounted);
+    }
+    std::vector<float> one(patterns.frames()), other(patterns.frames());
     for (int x = 0; x < camera.width; ++x) {
-      std::fill(a.begin(), a.end(), 0.0f);
-      std::fill(b.begin(), b.end(), 0.0f);
-      once.TracePixel(x, y, a.data(), uncounted);
-      again.TracePixel(x, y, b.data(), uncounted);
+      AddFilteredBounce(a, x, y, one.data());
+      AddFilteredBounce(b, x, y, other.data());
       for (int f = 0; f < patterns.frames(); ++f) {
-        const double difference = static_cast<double>(a[f]) - b[f];
-        tallies[i].Add(a[f], difference * difference / 2, sensor);
+        const double difference = static_cast<double>(one[f]) - other[f];
+        tallies[i].Add(one[f], difference * difference / 2, sensor);
       }
     }
   });

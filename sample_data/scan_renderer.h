@@ -50,15 +50,15 @@ struct ScanSubject {
 
 /// Renders all frames of one scan or placement as 8-bit sRGB gray pictures with sensor noise. Rays
 /// are traced once: 16 samples a pixel, each with its shadow ray to the projector and one bounce of
-/// interreflected projector light. The result depends on (seed, picture) only.
+/// interreflected projector light, filtered (scan_bounce.h). The result depends on (seed, picture)
+/// only.
 ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
                       const Pose& camera_from_world, const PatternTable& patterns,
                       const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
                       uint64_t picture);
 
-/// The Monte Carlo error of that scan beside the sensor's noise: every `row_step`-th row is traced
-/// twice, with independent random numbers. The error is the same in all frames of a pixel up to
-/// what the pattern shows there.
+/// The Monte Carlo error of that scan beside the sensor's noise: every `row_step`-th row (with the
+/// rows that its filter reads) is traced twice, with independent random numbers.
 NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
                             const Pose& camera_from_world, const PatternTable& patterns,
                             const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,

@@ -19,7 +19,7 @@ namespace {
 
 constexpr uint64_t kScanPictures = 1u << 20, kPlacementPictures = 1u << 21;
 constexpr uint64_t kFrameWobbleStream = 53;
-constexpr int kNoiseRowStep = 8;
+constexpr int kNoiseRowStep = 40;
 
 std::string Numbered(const char* format, int number) {
   char text[64];
