@@ -67,7 +67,9 @@ TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from
   }
   if (split == PhotoSplit::kTest) {
     taken.clean = Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-    const float* in = sharp.radiance.Data<float>();
+    RenderedPhoto open;
+    if (conditions.occluded) open = shoot.render(shoot.rays, camera_from_world);
+    const float* in = (conditions.occluded ? open : sharp).radiance.Data<float>();
     uint8_t* out = taken.clean.Data<uint8_t>();
     for (size_t i = 0; i < taken.clean.size(); ++i) out[i] = EncodeSrgb8(shoot.exposure * in[i]);
   }

@@ -20,6 +20,7 @@ constexpr float kFar = 1e5f;
 constexpr float kOffsetMm = 0.02f;
 // Sixteen points of a pixel, seen across the stripes: the spans of neighbours overlap by half.
 constexpr double kSpansAcrossPixel = 8;
+constexpr int kEdgeRays = 8;
 
 double Fraction(double x) { return x - std::floor(x); }
 
@@ -90,9 +91,11 @@ class ScanTracer {
     }
     RandomStream random(seed_, picture_,
                         static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
-    const float part = 1 / static_cast<float>(exposure_.bounce_rays);
+    // Edges are not filtered: they take more rays.
+    const int bounce_rays = exposure_.bounce_rays * (guide.whole ? 1 : kEdgeRays);
+    const float part = 1 / static_cast<float>(bounce_rays);
     float ambient = 0;
-    for (int ray = 0; ray < exposure_.bounce_rays; ++ray) {
+    for (int ray = 0; ray < bounce_rays; ++ray) {
       ambient += part * AddBounce(random, first, part * share, bounce, counts);
     }
     for (int f = 0; f < patterns_.frames(); ++f) bounce[f] += ambient_light * ambient;

@@ -26,7 +26,8 @@ struct ScanExposure {
   /// over edges and shadow borders is left out, and so is the pattern's change of scale within the
   /// blur. The printed plate does not spread light.
   double subsurface_mm = 0;
-  int bounce_rays = 1;  ///< of interreflected light, a sample (16 a pixel)
+  /// Of interreflected light, a sample (16 a pixel); 8 times as many where a pixel shows an edge.
+  int bounce_rays = 1;
 };
 /// Exposure of the scanner under `trouble`: ambient light, and both times the exposure factor.
 ScanExposure MakeScanExposure(const ScanTrouble& trouble);

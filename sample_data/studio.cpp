@@ -39,6 +39,8 @@ constexpr uint64_t kBorderStream = 35;
 // The most that one path of few may bring of bounced light, in units of the best lit paper's
 // radiance: more comes from caustics, which are fireflies at few samples.
 constexpr double kIndirectLimit = 1;
+// Of traced scenes with --tiny.
+constexpr int kTinySamples = 2, kTinyBounces = 2;
 // Photographs that tell the noise of a baked scene.
 constexpr int kNoisePhotos = 4;
 
@@ -97,6 +99,9 @@ class Studio {
       scene_description_ =
           FindScene(options_.scene, options_.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
       for (const std::string& warning : scene_description_->warnings) progress_.Note(warning);
+      if (options_.tiny) {
+        scene_description_->bounces = std::min(scene_description_->bounces, kTinyBounces);
+      }
       subject_.mesh = JoinObjects(scene_description_->objects);
     }
     const Pose table{Eigen::Matrix3d::Identity(), {0, 0, -kPlateThicknessMm}};
@@ -107,7 +112,7 @@ class Studio {
 
   std::unique_ptr<PhotoSource> LightScene() {
     if (scene_description_) {
-      const int usual_samples = options_.tiny ? 4 : 16;
+      const int usual_samples = options_.tiny ? kTinySamples : 16;
       return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
                               options_.SamplesPerPixel(usual_samples),
                               options_.quality == RenderQuality::kReference
