@@ -7,13 +7,14 @@
 namespace lfm {
 namespace {
 
-constexpr float kSameNormal_cos = 0.906f, kSamePlane_mm = 1;
+constexpr float kSameNormal_cos = 0.906f, kSamePlane_mm = 1, kSamePlane_rel = 0.2f;
 constexpr float kLeastAlbedo = 1e-3f;
 
 bool LitAlike(const ScanGuide& pixel, const ScanGuide& other) {
+  const Eigen::Vector3f step = other.point - pixel.point;
   return other.whole && other.albedo > kLeastAlbedo &&
          pixel.normal.dot(other.normal) > kSameNormal_cos &&
-         std::abs(pixel.normal.dot(other.point - pixel.point)) < kSamePlane_mm;
+         std::abs(pixel.normal.dot(step)) < kSamePlane_mm + kSamePlane_rel * step.norm();
 }
 
 }  // namespace

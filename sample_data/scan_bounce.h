@@ -38,8 +38,9 @@ inline constexpr int kBounceReach = 2;
 /// The frames of pixel (x, y): direct light plus bounced light. The latter is noisy and smooth over
 /// a surface, so the irradiance (bounced light over albedo) is the mean of those of the up to 25
 /// pixels round about that lie in the band, show nothing else and lie on the same smooth surface:
-/// normals within 25 degrees, and less than a millimetre off the pixel's tangent plane. A pixel
-/// that shows an edge keeps what it gathered itself. `out` has `frames` values.
+/// normals within 25 degrees, and less than a millimetre and a fifth of the way off the pixel's
+/// tangent plane. A pixel that shows an edge keeps what it gathered itself. `out` has `frames`
+/// values.
 void AddFilteredBounce(const ScanBand& band, int x, int y, float* out);
 
 }  // namespace lfm

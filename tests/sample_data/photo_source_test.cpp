@@ -21,7 +21,7 @@ Pose Eye() { return LookAt(V3(120, -330, 260), V3(0, 0, 45), V3::UnitZ()); }
 Occluder Bar() {
   Occluder bar;
   bar.albedo = {0.4f, 0.3f, 0.2f};
-  bar.capsules = {{V3(-250, 30, 190), V3(250, 30, 190), 18}};
+  bar.capsules = {{V3(-250, -120, 158), V3(250, -120, 158), 14}};
   return bar;
 }
 
