@@ -52,8 +52,13 @@ struct DirectionalResponse::Path {
 };
 
 DirectionalResponse::DirectionalResponse(const TracedScene& scene, std::vector<V3f> to_lights,
-                                         float irradiance, int bounces)
-    : scene_(scene), to_lights_(std::move(to_lights)), irradiance_(irradiance), bounces_(bounces) {
+                                         float irradiance, int bounces, float indirect_limit)
+    : scene_(scene),
+      to_lights_(std::move(to_lights)),
+      irradiance_(irradiance),
+      bounces_(bounces),
+      indirect_limit_(indirect_limit) {
+  if (!(indirect_limit > 0)) throw Error("the limit of indirect light must be above 0");
   if (to_lights_.empty()) throw Error("a reflectance field needs at least one light direction");
   for (const V3f& l : to_lights_) {
     if (!(std::abs(l.norm() - 1) <= kUnitLength_abs)) {
@@ -86,9 +91,12 @@ void DirectionalResponse::AskLights(const SurfacePoint& point, const Path& path,
   for (size_t l = 0; l < to_lights_.size(); ++l) {
     const V3f i = point.frame.Local(to_lights_[l]);
     if (!OnSameSide(point, i, to_lights_[l])) continue;
-    const V3f value = weight * irradiance_ *
-                      path.throughput.cwiseProduct(EvaluateBsdf(point.material, o, i).value);
+    V3f value =
+        irradiance_ * path.throughput.cwiseProduct(EvaluateBsdf(point.material, o, i).value);
     if (value.isZero(0)) continue;
+    const float most = value.maxCoeff();
+    if (path.bounces > 0 && most > indirect_limit_) value *= indirect_limit_ / most;
+    value *= weight;
     lights[lanes] = l;
     values[lanes] = value;
     SetLane(packet, lanes++, TracedScene::Departure(point, to_lights_[l]), to_lights_[l]);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sample_data/path_tracer.h"
@@ -16,13 +17,16 @@ namespace lfm {
 /// Every light gives irradiance `irradiance` on a surface that faces it. At every surface of a path
 /// that is not a delta lobe each light is asked; light that mirrors and clear glass would show as
 /// points is not seen, for it comes from one direction alone. `bounces` and what is not counted as
-/// one are as in PathTracer.
+/// one are as in PathTracer. `indirect_limit` is the most radiance that one path may bring for one
+/// light from behind a counted bounce: a finite one cuts off what few paths find by luck, caustics
+/// above all, and darkens the picture by what it cuts.
 class DirectionalResponse {
  public:
   /// The scene must outlive this. Throws Error for an empty list, a direction that is not a unit
-  /// vector, and bounces outside [0, 64].
+  /// vector, bounces outside [0, 64] and a limit that is not positive.
   DirectionalResponse(const TracedScene& scene, std::vector<Eigen::Vector3f> to_lights,
-                      float irradiance, int bounces);
+                      float irradiance, int bounces,
+                      float indirect_limit = std::numeric_limits<float>::infinity());
 
   size_t lights() const { return to_lights_.size(); }
   /// Adds `weight` times the radiance of each ray (unit direction) to `row`
@@ -39,6 +43,7 @@ class DirectionalResponse {
   std::vector<Eigen::Vector3f> to_lights_;
   float irradiance_;
   int bounces_;
+  float indirect_limit_;
 };
 
 }  // namespace lfm

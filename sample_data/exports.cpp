@@ -137,6 +137,9 @@ void WriteNerfTransforms(const Capture& capture, const Capture& truth,
   const std::filesystem::path folder = file.parent_path();
   nlohmann::json json = {{"camera_model", "OPENCV"},
                          {"aabb_scale", 1},
+                         // Nothing was applied to the world frame: mm survive a way through tools.
+                         {"applied_transform", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}},
+                         {"applied_scale", 1},
                          {"scale", 1 / kCubeMm},
                          {"offset", {0.5, 0.5, 0.5 - kCubeCenterMm / kCubeMm}},
                          {"frames", nlohmann::json::array()},

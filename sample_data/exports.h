@@ -29,6 +29,7 @@ void WriteColmapModel(const Capture& capture, const Capture& truth,
 /// first pixel; intrinsics and k1 k2 k3 p1 p2 a frame; file_path and mask_path relative to the
 /// file; train_filenames and test_filenames (nerfstudio); scale and offset that put 300 mm into
 /// instant-ngp's unit cube, centred on 60 mm above the platform. instant-ngp ignores k3.
+/// applied_transform and applied_scale say that poses are still in the world frame and in mm.
 void WriteNerfTransforms(const Capture& capture, const Capture& truth,
                          const std::filesystem::path& file);
 

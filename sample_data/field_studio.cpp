@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "core/error.h"
@@ -15,8 +16,10 @@
 #include "sample_data/exports.h"
 #include "sample_data/exposed_picture.h"
 #include "sample_data/light_transport.h"
+#include "sample_data/random.h"
 #include "sample_data/scene_mesh.h"
-#include "sample_data/traced_photo.h"
+#include "sample_data/studio_report.h"
+#include "sample_data/transport_preview.h"
 
 namespace lfm {
 namespace {
@@ -27,9 +30,18 @@ using V3f = Eigen::Vector3f;
 constexpr const char* kView = "view";
 // What white paint that faces the light shows.
 constexpr float kWhiteLevel = 0.8f;
+// The most that one path of few may bring of bounced light: what two surfaces of middling albedo
+// give. Fireflies of caustics end here, and what is above it of caustics.
+constexpr float kIndirectLimit = kWhiteLevel / 4;
 constexpr int kHeldOutEvery = 8;
 constexpr uint64_t kFieldStream = 0xf1e1d;
-constexpr double kGoldenAngle = std::numbers::pi * 0.7639320225002102;  // (3 - sqrt 5) pi
+// Rows whose noise is measured: traced again with other random numbers.
+constexpr int kNoisePictureRows = 16, kNoiseMatrixRows = 64;
+constexpr uint64_t kAgain = 0xa6a1;
+
+bool IsNoiseRow(int64_t row, int64_t rows, int step) {
+  return row % step == std::min<int64_t>(step, rows) / 2;
+}
 
 std::vector<PathRay> PixelPaths(const Camera& camera, const Pose& camera_from_world, int x, int y,
                                 int samples, uint64_t seed) {
@@ -88,17 +100,6 @@ void StoreRow(const std::vector<float>& rgb, int channels, float* out) {
   }
 }
 
-// A dim room with a bright window, up to the left of the eye.
-std::vector<float> PreviewLight(const CubeMap& cube) {
-  std::vector<float> light;
-  const V3f window = V3f(-0.5f, -0.5f, 0.7f).normalized();
-  for (int t = 0; t < cube.Texels(); ++t) {
-    const float cosine = cube.Direction(t).dot(window);
-    light.push_back(0.25f + 3.5f * std::exp(12 * (cosine - 1)));
-  }
-  return light;
-}
-
 class FieldStudio {
  public:
   FieldStudio(const SceneDescription& scene, const StudioOptions& options,
@@ -108,12 +109,13 @@ class FieldStudio {
         folder_(folder),
         progress_(progress),
         traced_(scene.objects, {}, nullptr),
-        seed_(static_cast<uint64_t>(options.seed)) {
+        seed_(static_cast<uint64_t>(options.seed)),
+        seed_again_(ScrambleBits(seed_ ^ kAgain)) {
     capture_.folder = folder;
     capture_.name = scene.name;
   }
 
-  RayCounts Run() {
+  StageReport Run() {
     std::error_code error;
     for (const char* earlier : {"capture.json", "preview.png", "mesh.ply", kMatrix}) {
       std::filesystem::remove(folder_ / earlier, error);
@@ -137,8 +139,10 @@ class FieldStudio {
     truth.folder = folder_ / "ground_truth";
     WritePly(mesh, truth.folder / "mesh.ply");
     WriteExports(capture_, truth);
+    WriteStudioReport(options_, {report_}, truth.folder / "studio.json");
+    NoteReport({report_}, progress_);
     SaveCapture(capture_);
-    return rays_;
+    return report_;
   }
 
  private:
@@ -151,25 +155,37 @@ class FieldStudio {
     const Pose pose = FixedPose(scene_.view);
     const std::vector<V3f> lights = LightStageDirections(scene_.light_count);
     const DirectionalResponse response(
-        traced_, lights, static_cast<float>(kWhiteLevel * std::numbers::pi), scene_.bounces);
+        traced_, lights, static_cast<float>(kWhiteLevel * std::numbers::pi), scene_.bounces,
+        options_.quality == RenderQuality::kReference ? std::numeric_limits<float>::infinity()
+                                                      : kIndirectLimit);
     const PhotoFormat format = options_.trouble.photo.format;
-    const Sensor sensor{options_.trouble.sensor.full_well_electrons,
-                        options_.trouble.sensor.read_noise_electrons};
+    const Sensor sensor = MakeSensor(options_);
     std::vector<Image> pictures;
     for (size_t l = 0; l < lights.size(); ++l) {
       pictures.push_back(MakePicture(camera.width, camera.height, format));
     }
-    progress_.Start("reflectance field", camera.height);
+    report_.name = "reflectance field";
+    progress_.Start(report_.name, camera.height);
+    const StageClock clock;
     std::vector<RayCounts> counts(static_cast<size_t>(camera.height));
+    std::vector<NoiseTally> noise(static_cast<size_t>(camera.height));
     ParallelFor(0, camera.height, [&](int64_t row) {
       const int y = static_cast<int>(row);
       const size_t width = static_cast<size_t>(camera.width);
       std::vector<float> pixel(3 * lights.size());
       std::vector<float> rows(3 * lights.size() * width);
       for (int x = 0; x < camera.width; ++x) {
-        const auto paths = PixelPaths(camera, pose, x, y, options_.SamplesPerPixel(4), seed_);
-        std::fill(pixel.begin(), pixel.end(), 0.0f);
-        counts[row] += response.Add(paths, 1 / static_cast<float>(paths.size()), pixel.data());
+        const auto trace = [&](uint64_t seed, std::vector<float>& values) {
+          const auto paths = PixelPaths(camera, pose, x, y, options_.SamplesPerPixel(4), seed);
+          std::fill(values.begin(), values.end(), 0.0f);
+          return response.Add(paths, 1 / static_cast<float>(paths.size()), values.data());
+        };
+        counts[row] += trace(seed_, pixel);
+        if (IsNoiseRow(row, camera.height, kNoisePictureRows)) {
+          std::vector<float> again(pixel.size());
+          trace(seed_again_, again);
+          noise[row] += TallyPair(pixel, again, &sensor);
+        }
         for (size_t l = 0; l < lights.size(); ++l) {
           std::copy_n(&pixel[3 * l], 3, &rows[3 * (l * width + static_cast<size_t>(x))]);
         }
@@ -180,7 +196,10 @@ class FieldStudio {
       }
       progress_.Advance();
     });
-    for (const RayCounts& c : counts) rays_ += c;
+    for (const RayCounts& c : counts) report_.rays += c;
+    report_.noise = NoiseTally();
+    for (const NoiseTally& n : noise) *report_.noise += n;
+    clock.Stop(report_);
     WriteField(camera, pose, lights, pictures);
   }
 
@@ -208,16 +227,27 @@ class FieldStudio {
     capture_.reflectance_field = std::move(field);
   }
 
-  TransportOptions MakeTransportOptions() const {
+  static NoiseTally TallyPair(const std::vector<float>& once, const std::vector<float>& again,
+                              const Sensor* sensor) {
+    NoiseTally noise;
+    for (size_t i = 0; i < once.size(); ++i) {
+      const double difference = static_cast<double>(once[i]) - again[i];
+      const double variance = difference * difference / 2;
+      sensor == nullptr ? noise.Add(once[i], variance) : noise.Add(once[i], variance, *sensor);
+    }
+    return noise;
+  }
+
+  TransportOptions MakeTransportOptions(uint64_t seed) const {
     TransportOptions options;
     options.cube.resolution = scene_.cube_resolution;
     options.paths = options_.SamplesPerPixel(64);
     options.bounces = scene_.bounces;
-    options.seed = seed_;
+    options.seed = seed;
     return options;
   }
 
-  // `fill_row(row, rgb)` adds to a zeroed row of texels x 3.
+  // `fill_row(row, seed, rgb)` adds to a zeroed row of texels x 3; seed: the usual or the other.
   template <typename FillRow>
   void RecordTransport(int64_t points, int64_t views, const FillRow& fill_row) {
     TransportShape shape;
@@ -225,37 +255,51 @@ class FieldStudio {
     shape.views = views;
     shape.cube_resolution = scene_.cube_resolution;
     shape.channels = options_.transport_channels;
-    progress_.Start("light transport", shape.rows());
+    report_.name = "light transport";
+    report_.has_sensor = false;
+    report_.noise = NoiseTally();
+    const StageClock clock;
+    progress_.Start(report_.name, shape.rows());
     const std::vector<float> window = PreviewLight({scene_.cube_resolution});
     preview_.resize(static_cast<size_t>(shape.rows()));
     WriteTransportMatrix(
         shape,
         [&](int64_t first, int64_t count, std::span<float> values) {
           std::vector<RayCounts> counts(static_cast<size_t>(count));
+          std::vector<NoiseTally> noise(static_cast<size_t>(count));
           ParallelFor(0, count, [&](int64_t r) {
             std::vector<float> rgb(3 * static_cast<size_t>(shape.columns()), 0.0f);
-            counts[r] = fill_row(first + r, rgb.data());
+            counts[r] = fill_row(first + r, Seed::kUsual, rgb.data());
+            if (IsNoiseRow(first + r, shape.rows(), kNoiseMatrixRows)) {
+              std::vector<float> again(rgb.size(), 0.0f);
+              fill_row(first + r, Seed::kOther, again.data());
+              noise[r] = TallyPair(rgb, again, nullptr);
+            }
             preview_[first + r] =
                 Eigen::Map<const Eigen::Matrix3Xf>(rgb.data(), 3, shape.columns()) *
                 Eigen::Map<const Eigen::VectorXf>(window.data(), shape.columns());
             StoreRow(rgb, shape.channels, &values[static_cast<size_t>(r * shape.row_values())]);
           });
-          for (const RayCounts& c : counts) rays_ += c;
+          for (const RayCounts& c : counts) report_.rays += c;
+          for (const NoiseTally& n : noise) *report_.noise += n;
           progress_.Advance(count);
         },
         folder_ / kMatrix);
+    clock.Stop(report_);
   }
 
   void RecordTransportImage() {
     const Camera camera = FixedCamera(scene_.view);
     const Pose pose = FixedPose(scene_.view);
-    const TransportRow transport(traced_, MakeTransportOptions());
-    RecordTransport(int64_t{camera.width} * camera.height, 1, [&](int64_t row, float* rgb) {
+    const TransportRow usual(traced_, MakeTransportOptions(seed_));
+    const TransportRow other(traced_, MakeTransportOptions(seed_again_));
+    const int64_t pixels = int64_t{camera.width} * camera.height;
+    RecordTransport(pixels, 1, [&](int64_t row, Seed seed, float* rgb) {
       RayCounts counts;
       const auto paths = PixelPaths(camera, pose, static_cast<int>(row % camera.width),
                                     static_cast<int>(row / camera.width), 1, seed_);
-      transport.AddRay(paths[0].origin, paths[0].direction, static_cast<uint64_t>(row), 1, rgb,
-                       &counts);
+      (seed == Seed::kUsual ? usual : other)
+          .AddRay(paths[0].origin, paths[0].direction, static_cast<uint64_t>(row), 1, rgb, &counts);
       return counts;
     });
     Image preview(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
@@ -271,9 +315,11 @@ class FieldStudio {
   void RecordTransportMesh(size_t vertices) {
     const std::vector<VertexPlace> places = PlacesOfVertices(scene_.objects);
     const std::vector<V3d> eyes = ViewSphere(scene_.view, scene_.view_directions);
-    const TransportRow transport(traced_, MakeTransportOptions());
+    const TransportRow usual(traced_, MakeTransportOptions(seed_));
+    const TransportRow other(traced_, MakeTransportOptions(seed_again_));
     const auto points = static_cast<int64_t>(vertices);
-    RecordTransport(points, static_cast<int64_t>(eyes.size()), [&](int64_t row, float* rgb) {
+    const auto views = static_cast<int64_t>(eyes.size());
+    RecordTransport(points, views, [&](int64_t row, Seed seed, float* rgb) {
       const VertexPlace& place = places[row % points];
       if (place.object < 0) return RayCounts();
       const TriangleMesh& mesh = scene_.objects[place.object].mesh;
@@ -287,12 +333,17 @@ class FieldStudio {
       weights[place.corner] = 1 - 2 * kInside;
       const SurfacePoint surface =
           traced_.SurfaceAt(place.object, place.triangle, weights[1], weights[2], to_eye);
-      return transport.Add(surface, to_eye, static_cast<uint64_t>(row), 1, rgb);
+      return (seed == Seed::kUsual ? usual : other)
+          .Add(surface, to_eye, static_cast<uint64_t>(row), 1, rgb);
     });
+    // The first view's rows come first.
+    preview_.resize(vertices);
+    WriteImage(PreviewMesh(traced_, scene_.view, preview_), folder_ / "preview.png");
     capture_.transport =
         TransportField{kMatrix, TransportKind::kMesh, scene_.cube_resolution, "", "mesh.ply", eyes};
   }
 
+  enum class Seed { kUsual, kOther };
   static constexpr const char* kMatrix = "transport.ltm";
 
   const SceneDescription& scene_;
@@ -300,37 +351,13 @@ class FieldStudio {
   std::filesystem::path folder_;
   Progress& progress_;
   TracedScene traced_;
-  uint64_t seed_;
+  uint64_t seed_, seed_again_;
   Capture capture_;
-  RayCounts rays_;
+  StageReport report_;
   std::vector<V3f> preview_;  // radiance of the rows under PreviewLight
 };
 
 }  // namespace
-
-std::vector<V3f> LightStageDirections(int count) {
-  if (count < 1) throw Error("a light stage needs at least one light");
-  std::vector<V3f> directions;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (i + 0.5) / count, r = std::sqrt(1 - z * z), a = kGoldenAngle * i;
-    directions.push_back(V3d(r * std::cos(a), r * std::sin(a), z).normalized().cast<float>());
-  }
-  return directions;
-}
-
-std::vector<V3d> ViewSphere(const FixedView& view, int count) {
-  const V3d axis = view.eye - view.target;
-  const double radius = axis.norm();
-  if (!(radius > 0)) throw Error("the view's eye stands at its target");
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(V3d::UnitZ(), axis);
-  std::vector<V3d> eyes = {view.eye};
-  for (int i = 1; i < count; ++i) {
-    const double z = 1 - 2.0 * i / count, r = std::sqrt(std::max(0.0, 1 - z * z));
-    const double a = kGoldenAngle * i;
-    eyes.push_back(view.target + radius * (turn * V3d(r * std::cos(a), r * std::sin(a), z)));
-  }
-  return eyes;
-}
 
 SceneDescription ShrinkField(SceneDescription scene) {
   constexpr int kSide = 64, kLights = 24, kCube = 8, kViews = 4;
@@ -345,30 +372,8 @@ SceneDescription ShrinkField(SceneDescription scene) {
   return scene;
 }
 
-Camera FixedCamera(const FixedView& view) {
-  if (view.width < 1 || view.height < 1 || view.width > 16384 || view.height > 16384) {
-    throw Error("a view has 1 to 16384 pixels a side");
-  }
-  if (!(view.fov_deg > 0 && view.fov_deg < 170)) {
-    throw Error("a view's field of view lies between 0 and 170 degrees");
-  }
-  Camera camera;
-  camera.width = view.width;
-  camera.height = view.height;
-  camera.fx = camera.fy = 0.5 * view.width / std::tan(view.fov_deg * std::numbers::pi / 360);
-  camera.cx = (view.width - 1) / 2.0;
-  camera.cy = (view.height - 1) / 2.0;
-  return camera;
-}
-
-Pose FixedPose(const FixedView& view) {
-  if (!((view.eye - view.target).norm() > 0)) throw Error("the view's eye stands at its target");
-  const V3d axis = (view.eye - view.target).normalized();
-  return LookAt(view.eye, view.target, std::abs(axis.z()) < 0.999 ? V3d::UnitZ() : V3d::UnitY());
-}
-
-RayCounts MakeFieldCapture(const SceneDescription& scene, const StudioOptions& options,
-                           const std::filesystem::path& folder, Progress& progress) {
+StageReport MakeFieldCapture(const SceneDescription& scene, const StudioOptions& options,
+                             const std::filesystem::path& folder, Progress& progress) {
   return FieldStudio(scene, options, folder, progress).Run();
 }
 

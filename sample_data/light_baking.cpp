@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -134,8 +135,6 @@ void SmoothOverRings(const TriangleMesh& mesh, const VertexRings& rings, std::ve
   values = std::move(result);
 }
 
-V3f BaseAlbedo(const Paint& paint) { return paint.diffuse.cwiseProduct(V3f::Ones() - paint.coat); }
-
 class Baker {
  public:
   Baker(const StudioScene& scene, const Subject& subject, const Lighting& lighting,
@@ -145,11 +144,11 @@ class Baker {
         lighting_(lighting),
         reflectance_(reflectance),
         options_(options),
-        vertices_(static_cast<int64_t>(subject.mesh.vertices.size())) {
+        vertices_(static_cast<int64_t>(subject.mesh.vertices.size())),
+        rings_(ComputeVertexRings(subject.mesh)) {
     light_.cells = static_cast<int>(lighting.lights.size()) * kLightCells;
     light_.cell_visibility.resize(static_cast<size_t>(vertices_) * light_.cells);
-    irradiance_.resize(vertices_);
-    light_.harmonics.resize(static_cast<size_t>(vertices_) * kHarmonics * 3);
+    lamps_.resize(vertices_);
     for (const Patch& patch : scene.patches()) {
       const double spacing =
           options.plate_spacing_mm * (patch.material == PatchMaterial::kTable ? 8 : 1);
@@ -161,14 +160,31 @@ class Baker {
     }
   }
 
-  BakedLight Run(Progress& progress) {
-    progress.Start("baking light", 3 * vertices_);
+  std::vector<BakedLight> Run(std::span<const uint64_t> seeds, Progress& progress) {
+    progress.Start("baking light", (1 + 2 * static_cast<int64_t>(seeds.size())) * vertices_);
     BakeLamps(progress);
+    light_.rays.shadow = shadow_rays_;
+    std::vector<BakedLight> baked;
+    for (const uint64_t seed : seeds) {
+      baked.push_back(light_);
+      irradiance_ = lamps_;
+      BakeSurroundings(seed, baked.back(), progress);
+      light_.rays = {};  // the lamps' count once
+    }
+    return baked;
+  }
+
+ private:
+  V3f Position(int64_t v) const { return subject_.mesh.vertices[v].cast<float>(); }
+  V3f Normal(int64_t v) const { return subject_.mesh.normals[v].cast<float>(); }
+
+  // Adds everything but the lamps to `light`, which holds them.
+  void BakeSurroundings(uint64_t seed, BakedLight& light, Progress& progress) {
     // Surroundings first, since the bounce that follows reflects them too.
     const int first_rays = std::max(16, options_.gather_rays / 4);
-    AddSurroundings(nullptr, first_rays, progress);
+    AddSurroundings(seed, nullptr, first_rays, light, progress);
     const std::vector<V3f> lamps_and_sky = irradiance_;
-    const std::vector<PatchIrradiance> patches_once = light_.patches;
+    const std::vector<PatchIrradiance> patches_once = light.patches;
     std::vector<V3f> bounced(vertices_);
     for (int64_t v = 0; v < vertices_; ++v) {
       // The coat's share of the bounce is spread as if it were diffuse.
@@ -176,21 +192,16 @@ class Baker {
       bounced[v] = albedo.cwiseProduct(lamps_and_sky[v]) / kPi;
     }
     irradiance_ = lamps_;
-    light_.patches = patch_lamps_;
+    light.patches = light_.patches;
+    light.harmonics.resize(static_cast<size_t>(vertices_) * kHarmonics * 3);
     const Radiosity radiosity{&subject_, &bounced, &scene_, &reflectance_, &patches_once};
-    AddSurroundings(&radiosity, options_.gather_rays, progress);
-    const VertexRings rings = ComputeVertexRings(subject_.mesh);
-    SmoothOverRings(subject_.mesh, rings, light_.harmonics, kHarmonics * 3);
-    light_.diffuse_radiance.resize(vertices_);
+    AddSurroundings(seed, &radiosity, options_.gather_rays, light, progress);
+    SmoothOverRings(subject_.mesh, rings_, light.harmonics, kHarmonics * 3);
+    light.diffuse_radiance.resize(vertices_);
     for (int64_t v = 0; v < vertices_; ++v) {
-      light_.diffuse_radiance[v] = BaseAlbedo(subject_.paint[v]).cwiseProduct(irradiance_[v]) / kPi;
+      light.diffuse_radiance[v] = BaseAlbedo(subject_.paint[v]).cwiseProduct(irradiance_[v]) / kPi;
     }
-    return std::move(light_);
   }
-
- private:
-  V3f Position(int64_t v) const { return subject_.mesh.vertices[v].cast<float>(); }
-  V3f Normal(int64_t v) const { return subject_.mesh.normals[v].cast<float>(); }
 
   void BakeLamps(Progress& progress) {
     ParallelFor(
@@ -198,7 +209,8 @@ class Baker {
         [&](int64_t v) {
           const LampLight lamps =
               GatherLamps(scene_, lighting_, Position(v), Normal(v), options_.rays_per_cell);
-          irradiance_[v] = lamps.irradiance;
+          lamps_[v] = lamps.irradiance;
+          shadow_rays_ += lamps.rays;
           for (int c = 0; c < light_.cells; ++c) {
             light_.cell_visibility[v * light_.cells + c] =
                 static_cast<uint8_t>(std::lround(255 * lamps.visibility[c]));
@@ -207,19 +219,19 @@ class Baker {
         },
         256);
     ForEachNode([&](size_t p, size_t node, const V3f& point, const V3f& normal) {
-      light_.patches[p].irradiance[node] =
-          GatherLamps(scene_, lighting_, point, normal, options_.rays_per_cell).irradiance;
+      const LampLight lamps = GatherLamps(scene_, lighting_, point, normal, options_.rays_per_cell);
+      light_.patches[p].irradiance[node] = lamps.irradiance;
+      shadow_rays_ += lamps.rays;
     });
-    lamps_ = irradiance_;
-    patch_lamps_ = light_.patches;
   }
 
-  void AddSurroundings(const Radiosity* radiosity, int rays, Progress& progress) {
+  void AddSurroundings(uint64_t seed, const Radiosity* radiosity, int rays, BakedLight& light,
+                       Progress& progress) {
     std::vector<V3f> added(vertices_);
     ParallelFor(
         0, vertices_,
         [&](int64_t v) {
-          const RandomStream random(options_.seed, radiosity == nullptr ? 101 : 102,
+          const RandomStream random(seed, radiosity == nullptr ? 101 : 102,
                                     static_cast<uint64_t>(v));
           const Gathered gathered = GatherSurroundings(
               scene_, lighting_, radiosity, Position(v), Normal(v), rays, random,
@@ -228,38 +240,35 @@ class Baker {
           if (radiosity != nullptr) {
             for (int k = 0; k < kHarmonics; ++k) {
               for (int c = 0; c < 3; ++c) {
-                light_.harmonics[(v * kHarmonics + k) * 3 + c] = gathered.harmonics[k][c];
+                light.harmonics[(v * kHarmonics + k) * 3 + c] = gathered.harmonics[k][c];
               }
             }
           }
           if (v % 4096 == 0) progress.Advance(std::min<int64_t>(4096, vertices_ - v));
         },
         64);
-    SmoothOverRings(subject_.mesh, ComputeVertexRings(subject_.mesh), added, 1);
+    SmoothOverRings(subject_.mesh, rings_, added, 1);
     for (int64_t v = 0; v < vertices_; ++v) irradiance_[v] += added[v];
+    light.rays.bounce += vertices_ * rays;
     ForEachNode([&](size_t p, size_t node, const V3f& point, const V3f& normal) {
-      const RandomStream random(options_.seed, 200 + p, node);
-      light_.patches[p].irradiance[node] +=
+      const RandomStream random(seed, 200 + p, node);
+      light.patches[p].irradiance[node] +=
           GatherSurroundings(scene_, lighting_, radiosity, point, normal, rays / 2, random,
                              GatherHarmonics::kNo)
               .irradiance;
     });
+    for (const PatchIrradiance& grid : light.patches) {
+      light.rays.bounce += static_cast<int64_t>(grid.irradiance.size()) * (rays / 2);
+    }
   }
 
   template <typename Body>
   void ForEachNode(const Body& body) {
     for (size_t p = 0; p < light_.patches.size(); ++p) {
-      const Patch& patch = scene_.patches()[p];
-      const int columns = light_.patches[p].columns, rows = light_.patches[p].rows;
-      const V3f normal = patch.Normal().cast<float>();
-      ParallelFor(0, rows, [&](int64_t row) {
-        for (int column = 0; column < columns; ++column) {
-          const Eigen::Vector3d point = patch.origin +
-                                        patch.width * column / (columns - 1) * patch.u +
-                                        patch.height * row / (rows - 1) * patch.v;
-          body(p, static_cast<size_t>(row) * columns + column, V3f(point.cast<float>()), normal);
-        }
-      });
+      const PatchIrradiance& grid = light_.patches[p];
+      ForEachPatchNode(
+          scene_.patches()[p], grid.columns, grid.rows,
+          [&](size_t node, const V3f& point, const V3f& normal) { body(p, node, point, normal); });
     }
   }
 
@@ -269,43 +278,11 @@ class Baker {
   const SetReflectance& reflectance_;
   const BakeOptions& options_;
   int64_t vertices_;
-  BakedLight light_;
+  VertexRings rings_;
+  BakedLight light_;  // of the lamps alone
+  std::atomic<int64_t> shadow_rays_ = 0;
   std::vector<V3f> irradiance_, lamps_;
-  std::vector<PatchIrradiance> patch_lamps_;
 };
-
-// Shares of one lamp's cells that are not hidden; the remaining rays are spent only where the
-// first ray of each cell does not already agree with all others.
-void SeeCells(const StudioScene& scene, const AreaLight& light, const V3f& origin, int rays,
-              float* visibility) {
-  const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(rays))));
-  int seen[kLightCells] = {};
-  for (int pass = 0; pass < side * side; ++pass) {
-    RayPacket packet;
-    // The middle of each cell comes first.
-    const int sub = (pass + side * side / 2) % (side * side);
-    for (int cell = 0; cell < kLightCells; ++cell) {
-      const double s = (cell % kLightCellsPerSide + (sub % side + 0.5) / side) / kLightCellsPerSide;
-      const double t = (cell / kLightCellsPerSide + (sub / side + 0.5) / side) / kLightCellsPerSide;
-      const V3f direction = light.Point(s, t).cast<float>() - origin;
-      packet.Set(cell, origin, direction, 0, 0.999f);
-    }
-    scene.Occlude(packet);
-    int total = 0;
-    for (int cell = 0; cell < kLightCells; ++cell) {
-      seen[cell] += !StudioScene::Blocked(packet, cell);
-      total += seen[cell];
-    }
-    if (pass == 0 && (total == 0 || total == kLightCells)) {
-      for (int cell = 0; cell < kLightCells; ++cell)
-        visibility[cell] = static_cast<float>(seen[cell]);
-      return;
-    }
-  }
-  for (int cell = 0; cell < kLightCells; ++cell) {
-    visibility[cell] = static_cast<float>(seen[cell]) / static_cast<float>(side * side);
-  }
-}
 
 }  // namespace
 
@@ -320,40 +297,33 @@ V3f PatchIrradiance::Sample(const Patch& patch, double a, double b) const {
          fy * ((1 - fx) * row[columns] + fx * row[columns + 1]);
 }
 
-LampLight GatherLamps(const StudioScene& scene, const Lighting& lighting, const V3f& point,
-                      const V3f& normal, int rays_per_cell) {
-  LampLight result;
-  const V3f origin = point + kOffsetMm * normal;
-  for (size_t l = 0; l < lighting.lights.size(); ++l) {
-    const AreaLight& light = lighting.lights[l];
-    float* visibility = result.visibility + l * kLightCells;
-    float form[kLightCells];
-    float total = 0;
-    const V3f lamp_normal = light.Normal().cast<float>();
-    for (int cell = 0; cell < kLightCells; ++cell) {
-      const V3f d = light
-                        .Point((cell % kLightCellsPerSide + 0.5) / kLightCellsPerSide,
-                               (cell / kLightCellsPerSide + 0.5) / kLightCellsPerSide)
-                        .cast<float>() -
-                    point;
-      const float r2 = d.squaredNorm();
-      const float cosines = std::max(0.0f, normal.dot(d)) * std::max(0.0f, -lamp_normal.dot(d));
-      form[cell] = cosines / (r2 * r2) * static_cast<float>(light.Area() / kLightCells);
-      total += form[cell];
+void ForEachPatchNode(const Patch& patch, int columns, int rows,
+                      const std::function<void(size_t, const V3f&, const V3f&)>& body) {
+  const V3f normal = patch.Normal().cast<float>();
+  ParallelFor(0, rows, [&](int64_t row) {
+    for (int column = 0; column < columns; ++column) {
+      const Eigen::Vector3d point = patch.origin + patch.width * column / (columns - 1) * patch.u +
+                                    patch.height * row / (rows - 1) * patch.v;
+      body(static_cast<size_t>(row) * columns + column, point.cast<float>(), normal);
     }
-    if (total <= 0) continue;
-    SeeCells(scene, light, origin, rays_per_cell, visibility);
-    float received = 0;
-    for (int cell = 0; cell < kLightCells; ++cell) received += visibility[cell] * form[cell];
-    result.irradiance += received * light.radiance;
-  }
-  return result;
+  });
 }
+
+V3f BaseAlbedo(const Paint& paint) { return paint.diffuse.cwiseProduct(V3f::Ones() - paint.coat); }
 
 BakedLight BakeLight(const StudioScene& scene, const Subject& subject, const Lighting& lighting,
                      const SetReflectance& reflectance, const BakeOptions& options,
                      Progress& progress) {
-  return Baker(scene, subject, lighting, reflectance, options).Run(progress);
+  const uint64_t seeds[] = {options.seed};
+  return std::move(
+      BakeLights(scene, subject, lighting, reflectance, options, seeds, progress).front());
+}
+
+std::vector<BakedLight> BakeLights(const StudioScene& scene, const Subject& subject,
+                                   const Lighting& lighting, const SetReflectance& reflectance,
+                                   const BakeOptions& options, std::span<const uint64_t> seeds,
+                                   Progress& progress) {
+  return Baker(scene, subject, lighting, reflectance, options).Run(seeds, progress);
 }
 
 }  // namespace lfm

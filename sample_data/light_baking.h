@@ -3,11 +3,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "core/progress.h"
 #include "sample_data/harmonics.h"
+#include "sample_data/lamp_visibility.h"
 #include "sample_data/lighting.h"
+#include "sample_data/path_tracer.h"
 #include "sample_data/studio_scene.h"
 #include "sample_data/subject.h"
 
@@ -22,6 +26,11 @@ struct PatchIrradiance {
   Eigen::Vector3f Sample(const Patch& patch, double a, double b) const;
 };
 
+/// Calls body(node, point, normal) for every node of a patch's grid, on all threads.
+void ForEachPatchNode(
+    const Patch& patch, int columns, int rows,
+    const std::function<void(size_t node, const Eigen::Vector3f&, const Eigen::Vector3f&)>& body);
+
 /// All light that does not depend on the view, computed once a capture.
 struct BakedLight {
   /// Of each vertex of the object: radiance that leaves its diffuse base in every direction.
@@ -34,6 +43,7 @@ struct BakedLight {
   /// so that a lobe near the horizon does not darken.
   std::vector<float> harmonics;
   std::vector<PatchIrradiance> patches;  ///< as StudioScene::patches()
+  RayCounts rays;                        ///< that baking took
 };
 
 struct BakeOptions {
@@ -48,15 +58,13 @@ struct BakeOptions {
 BakedLight BakeLight(const StudioScene& scene, const Subject& subject, const Lighting& lighting,
                      const SetReflectance& reflectance, const BakeOptions& options,
                      Progress& progress);
-
-/// Share of each lamp cell seen from `point` (kLightCells a lamp, each in [0, 1]), 0 for cells
-/// behind the surface; and the irradiance they give together.
-struct LampLight {
-  float visibility[kMaxLights * kLightCells] = {};
-  Eigen::Vector3f irradiance = Eigen::Vector3f::Zero();
-};
-LampLight GatherLamps(const StudioScene& scene, const Lighting& lighting,
-                      const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                      int rays_per_cell);
+/// The same once a seed (options.seed is not used), as independent as baking with each alone; what
+/// has no random numbers, the lamps' light, is baked once. At least one seed.
+std::vector<BakedLight> BakeLights(const StudioScene& scene, const Subject& subject,
+                                   const Lighting& lighting, const SetReflectance& reflectance,
+                                   const BakeOptions& options, std::span<const uint64_t> seeds,
+                                   Progress& progress);
+/// What the diffuse base of a paint reflects of the light that falls on it.
+Eigen::Vector3f BaseAlbedo(const Paint& paint);
 
 }  // namespace lfm

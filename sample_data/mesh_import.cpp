@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <memory>
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/image.h"
 #include "core/ply.h"
 #include "sample_data/obj_file.h"
+#include "sample_data/texture.h"
 
 namespace lfm {
 namespace {
@@ -31,7 +34,7 @@ TexturedMesh Read(const std::filesystem::path& file) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".ply" || BeginsAsPly(file)) {
-    return {ReadPlyMesh(file), ReadPlyTextureCoordinates(file)};
+    return {ReadPlyMesh(file), ReadPlyTextureCoordinates(file), {}, {}, {}};
   }
   if (ending != ".obj") {
     throw Error(file.string() + ": is no mesh that can be read; give a PLY or OBJ file");
@@ -103,6 +106,7 @@ size_t DropUnusedVertices(TexturedMesh& textured) {
   Keep(mesh.colors, kept);
   Keep(mesh.confidence, kept);
   Keep(textured.uv, kept);
+  Keep(textured.material, kept);
   return dropped;
 }
 
@@ -162,6 +166,7 @@ ImportedMesh ImportMesh(const std::filesystem::path& file) {
   }
   const double extent = CheckedExtent(textured.mesh, name);
   ImportedMesh imported;
+  imported.warnings = std::move(textured.warnings);
   if (const size_t flat = DropFlatTriangles(textured.mesh, extent); flat > 0) {
     imported.warnings.push_back(Count(flat, "triangle") + " of no area dropped");
   }
@@ -185,8 +190,34 @@ ImportedMesh ImportMesh(const std::filesystem::path& file) {
   }
   imported.mesh = std::move(textured.mesh);
   imported.uv = std::move(textured.uv);
+  imported.material = std::move(textured.material);
+  imported.materials = std::move(textured.materials);
   RepairNormals(imported);
   return imported;
+}
+
+std::vector<Eigen::Vector3f> MaterialColors(const ImportedMesh& imported) {
+  if (!imported.mesh.colors.empty() || imported.material.empty()) return imported.mesh.colors;
+  std::vector<Texture> pictures(imported.materials.size());
+  for (const int used : imported.material) {
+    if (used < 0 || imported.uv.empty() || imported.materials[used].picture.empty()) continue;
+    Texture& texture = pictures[used];
+    if (texture.image) continue;
+    texture.kind = TextureKind::kImage;
+    texture.mapping = TextureMapping::kUv;
+    texture.image = std::make_shared<Image>(ReadTextureImage(imported.materials[used].picture));
+  }
+  std::vector<Eigen::Vector3f> colors(imported.mesh.vertices.size());
+  for (size_t v = 0; v < colors.size(); ++v) {
+    const int used = imported.material[v];
+    Eigen::Vector3f linear = used < 0 ? ObjMaterial().diffuse : imported.materials[used].diffuse;
+    if (used >= 0 && pictures[used].image) {
+      linear = linear.cwiseProduct(
+          TextureValue(pictures[used], {}, V3::Zero(), imported.uv[v].cast<double>()));
+    }
+    for (int c = 0; c < 3; ++c) colors[v][c] = SrgbFromLinear(linear[c]);
+  }
+  return colors;
 }
 
 }  // namespace lfm

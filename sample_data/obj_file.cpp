@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sample_data/obj_file.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -16,8 +17,9 @@
 namespace lfm {
 namespace {
 
-// One corner of a face: indices of position, texture coordinates, normal; -1 where not given.
-using Corner = std::array<int, 3>;
+// One corner of a face: indices of position, texture coordinates, normal, material; -1 where not
+// given.
+using Corner = std::array<int, 4>;
 
 struct CornerHash {
   size_t operator()(const Corner& c) const {
@@ -80,10 +82,50 @@ class ObjParser {
       normals_.push_back(Numbers<3>("normal"));
     } else if (key == "f") {
       ParseFace();
+    } else if (key == "mtllib") {
+      ReadLibraries();
+    } else if (key == "usemtl") {
+      UseMaterial();
     } else if (key.size() > 24 ||
                key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_") !=
                    key.npos) {
       Fail("'" + std::string(key.substr(0, 24)) + "' is no statement of an OBJ file");
+    }
+  }
+
+  // The words after the first as they stand in the line, for names with spaces.
+  std::string Rest() const {
+    if (words_.size() < 2) return "";
+    std::string rest(words_[1]);
+    for (size_t i = 2; i < words_.size(); ++i) rest += ' ' + std::string(words_[i]);
+    return rest;
+  }
+
+  void ReadLibraries() {
+    // One name with spaces, or several names.
+    std::vector<std::string> names = {Rest()};
+    std::error_code ignored;
+    const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
+    if (!std::filesystem::is_regular_file(folder / names[0], ignored) && words_.size() > 2) {
+      names.assign(words_.begin() + 1, words_.end());
+    }
+    for (const std::string& name : names) {
+      if (!std::filesystem::is_regular_file(folder / name, ignored)) {
+        warnings_.push_back("materials left out: there is no file " + (folder / name).string());
+        continue;
+      }
+      const std::vector<ObjMaterial> more = ReadObjMaterials(folder / name);
+      materials_.insert(materials_.end(), more.begin(), more.end());
+    }
+  }
+
+  void UseMaterial() {
+    const std::string name = Rest();
+    const auto found = std::find_if(materials_.begin(), materials_.end(),
+                                    [&](const ObjMaterial& m) { return m.name == name; });
+    used_ = found == materials_.end() ? -1 : static_cast<int>(found - materials_.begin());
+    if (used_ < 0 && !materials_.empty()) {
+      warnings_.push_back("no library has the material '" + name + "'");
     }
   }
 
@@ -150,7 +192,7 @@ class ObjParser {
     if (!word.empty()) Fail("a corner of a face has more than three indices");
     const Corner corner = {Index(parts[0], positions_.size(), "vertex"),
                            Index(parts[1], uv_.size(), "texture coordinate"),
-                           Index(parts[2], normals_.size(), "normal")};
+                           Index(parts[2], normals_.size(), "normal"), used_};
     if (corner[0] < 0) Fail("a corner of a face names no vertex");
     return corner;
   }
@@ -181,17 +223,20 @@ class ObjParser {
     Eigen::Vector3i triangle;
     for (size_t i = 0; i < corners_.size(); ++i) {
       const Corner key = {corners_[i][0], has_uv ? corners_[i][1] : -1,
-                          has_normals ? corners_[i][2] : -1};
+                          has_normals ? corners_[i][2] : -1, corners_[i][3]};
       const auto [entry, is_new] = known.try_emplace(key, static_cast<int>(mesh.vertices.size()));
       if (is_new) {
         mesh.vertices.push_back(positions_[key[0]]);
         if (has_uv) result.uv.push_back(uv_[key[1]]);
         if (has_normals) mesh.normals.push_back(normals_[key[2]]);
         if (!colors_.empty()) mesh.colors.push_back(colors_[key[0]]);
+        if (!materials_.empty()) result.material.push_back(key[3]);
       }
       triangle[static_cast<int>(i % 3)] = entry->second;
       if (i % 3 == 2) mesh.triangles.push_back(triangle);
     }
+    result.materials = std::move(materials_);
+    result.warnings = std::move(warnings_);
     return result;
   }
 
@@ -206,6 +251,9 @@ class ObjParser {
   std::vector<Eigen::Vector2f> uv_;
   std::vector<Eigen::Vector3f> colors_;
   std::vector<Corner> corners_;
+  std::vector<ObjMaterial> materials_;
+  std::vector<std::string> warnings_;
+  int used_ = -1;  // material
 };
 
 }  // namespace

@@ -34,6 +34,12 @@ class OccluderTracer {
     pixel_ = 1 / std::min(camera.fx, camera.fy);
   }
 
+  void MaskRow(int y, Image& mask) const {
+    for (int x = 0; x < rays_.camera().width; ++x) {
+      if (First(Direction(x, y, 0, 0))) mask.At<uint8_t>(x, y) = 0;
+    }
+  }
+
   void CoverRow(int y, RenderedPhoto& photo) const {
     for (int x = 0; x < rays_.camera().width; ++x) {
       const V3 middle = Direction(x, y, 0, 0);
@@ -104,6 +110,39 @@ class OccluderTracer {
   V3 eye_;
   double pixel_ = 0;
 };
+
+// A ball's rings from pole to pole, drawn apart along the axis between the two middle rings.
+void AppendCapsule(const Capsule& capsule, TriangleMesh& mesh) {
+  constexpr int kSides = 64, kRings = 16;  // rings of either half
+  constexpr double kPi = std::numbers::pi;
+  const V3 along = capsule.b - capsule.a;
+  const V3 z = along.norm() > 0 ? V3(along.normalized()) : V3(V3::UnitZ());
+  const V3 x = z.unitOrthogonal(), y = z.cross(x);
+  const int first = static_cast<int>(mesh.vertices.size());
+  const int rings = 2 * kRings + 2;
+  for (int ring = 0; ring < rings; ++ring) {
+    const bool far_half = ring > kRings;
+    const double polar = kPi / 2 * (far_half ? ring - 1 : ring) / kRings - kPi / 2;
+    for (int side = 0; side < kSides; ++side) {
+      const double angle = 2 * kPi * side / kSides;
+      const V3 n =
+          std::cos(polar) * (std::cos(angle) * x + std::sin(angle) * y) + std::sin(polar) * z;
+      mesh.normals.push_back(n);
+      mesh.vertices.push_back((far_half ? capsule.b : capsule.a) + capsule.radius * n);
+    }
+  }
+  const auto corner = [&](int ring, int side) { return first + ring * kSides + side % kSides; };
+  for (int ring = 0; ring + 1 < rings; ++ring) {
+    if (ring == kRings && along.isZero(0)) continue;  // a ball: both middle rings are its equator
+    for (int side = 0; side < kSides; ++side) {
+      const int a = corner(ring, side), b = corner(ring, side + 1);
+      const int c = corner(ring + 1, side + 1), d = corner(ring + 1, side);
+      // At the poles one of the two has no area.
+      if (ring > 0) mesh.triangles.emplace_back(a, b, c);
+      if (ring + 2 < rings) mesh.triangles.emplace_back(a, c, d);
+    }
+  }
+}
 
 // A hand in its own frame: x towards the fingertips, y across, z out of its back; its middle
 // fingertip at the origin, mm.
@@ -197,6 +236,20 @@ Occluder MakeOccluder(OccluderKind kind, const Camera& camera, const Pose& camer
     c.b = world_from_camera * c.b;
   }
   return occluder;
+}
+
+TriangleMesh OccluderMesh(const Occluder& occluder) {
+  TriangleMesh mesh;
+  for (const Capsule& capsule : occluder.capsules) AppendCapsule(capsule, mesh);
+  return mesh;
+}
+
+void MaskOccluder(const Occluder& occluder, const PixelRays& rays, const Pose& camera_from_world,
+                  Image& mask) {
+  const Lighting dark;
+  const OccluderTracer tracer(occluder, dark, rays, camera_from_world);
+  ParallelFor(
+      0, rays.camera().height, [&](int64_t y) { tracer.MaskRow(static_cast<int>(y), mask); }, 8);
 }
 
 void CoverWithOccluder(const Occluder& occluder, const Lighting& lighting, const PixelRays& rays,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/pose.h"
+#include "core/triangle_mesh.h"
 #include "sample_data/lighting.h"
 #include "sample_data/photo_renderer.h"
 #include "sample_data/pixel_rays.h"
@@ -42,9 +43,18 @@ struct Occluder {
 Occluder MakeOccluder(OccluderKind kind, const Camera& camera, const Pose& camera_from_world,
                       const Eigen::Vector3d& center, RandomStream& random);
 
+/// The capsules as closed meshes with smooth normals, inscribed: corners on the true surface, the
+/// middles of facets less than 0.3 % of the radius below it.
+TriangleMesh OccluderMesh(const Occluder& occluder);
+
+/// Pixels whose centre the occluder covers leave the mask.
+void MaskOccluder(const Occluder& occluder, const PixelRays& rays, const Pose& camera_from_world,
+                  Image& mask);
+
 /// Draws the occluder over a rendered photograph of the same rays and pose, 16 samples a pixel
-/// where it covers one; pixels whose centre it covers leave the mask. It is lit by the lamps and
-/// the room without shadows, and casts none on the scene.
+/// where it covers one; pixels whose centre it covers leave the mask. It is lit by the lamps, which
+/// it hides from itself only where they are below its own horizon, and by the room. What it casts
+/// on the scene is occluder_shadow.h's.
 void CoverWithOccluder(const Occluder& occluder, const Lighting& lighting, const PixelRays& rays,
                        const Pose& camera_from_world, RenderedPhoto& photo);
 

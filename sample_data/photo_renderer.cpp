@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/parallel.h"
 
@@ -35,7 +36,9 @@ class PhotoTracer {
         world_from_camera_(camera_from_world.rotation.transpose().cast<float>()),
         eye_(camera_from_world.Center().cast<float>()) {}
 
-  void RenderRow(int y, RenderedPhoto& photo) const {
+  // Returns how many rays it traced.
+  int64_t RenderRow(int y, RenderedPhoto& photo) const {
+    int64_t traced = 0;
     const int width = rays_.camera().width;
     float* out = &photo.radiance.At<float>(0, y);
     uint8_t* mask = &photo.mask.At<uint8_t>(0, y);
@@ -47,6 +50,7 @@ class PhotoTracer {
         Aim(packet, lane, x0 + lane / kCoarseSamples, y, offset[0], offset[1]);
       }
       scene_.Intersect(packet, RayOrder::kCoherent);
+      traced += count * kCoarseSamples;
       for (int i = 0; i < count; ++i) {
         Sample samples[kCoarseSamples];
         for (int s = 0; s < kCoarseSamples; ++s) {
@@ -59,10 +63,12 @@ class PhotoTracer {
         } else {
           radiance = ShadeFine(x0 + i, y);
           mask[x0 + i] = CenterIsObject(x0 + i, y) ? 255 : 0;
+          traced += kFineSamples + 1;
         }
         std::copy(radiance.data(), radiance.data() + 3, out + 3 * (x0 + i));
       }
     }
+    return traced;
   }
 
  private:
@@ -164,8 +170,11 @@ RenderedPhoto RenderPhoto(const StudioScene& scene, const CoatShading& shading,
       Image(camera.width, camera.height, 3, PixelType::kFloat32, ColorEncoding::kLinear);
   photo.mask = Image(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kSrgb);
   const PhotoTracer tracer(scene, shading, reflectance, rays, camera_from_world);
+  std::vector<int64_t> traced(static_cast<size_t>(camera.height));
   ParallelFor(
-      0, camera.height, [&](int64_t y) { tracer.RenderRow(static_cast<int>(y), photo); }, 4);
+      0, camera.height,
+      [&](int64_t y) { traced[y] = tracer.RenderRow(static_cast<int>(y), photo); }, 4);
+  for (const int64_t count : traced) photo.rays.camera += count;
   return photo;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+
 #include "core/image.h"
 #include "core/pose.h"
 #include "sample_data/coat_shading.h"
+#include "sample_data/path_tracer.h"
 #include "sample_data/pixel_rays.h"
 #include "sample_data/studio_scene.h"
 
@@ -13,7 +16,13 @@ namespace lfm {
 struct RenderedPhoto {
   Image radiance;  ///< linear float RGB, scene units
   Image mask;      ///< 8 bit, one channel: 255 where the pixel centre's ray meets the object first
+  Image standard_error;  ///< of each value of `radiance`; empty where it is not known
+  RayCounts rays;
 };
+
+/// Renders a pinhole picture of some scene along these rays.
+using PhotoRenderer =
+    std::function<RenderedPhoto(const PixelRays& rays, const Pose& camera_from_world)>;
 
 /// Renders one photograph: box-filtered pixels of 4 samples, 16 where a pixel holds more than one
 /// surface, a print edge or a depth edge; the coat shaded a pixel at two opposite samples

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,14 +17,12 @@ constexpr uint64_t kOccluderStream = 34;
 
 // The mean of the exposure's pinhole pictures.
 Image AverageExposure(const PhotoShoot& shoot, const std::vector<ExposureSample>& samples,
-                      const std::optional<Occluder>& occluder) {
+                      const PhotoRenderer& render, RayCounts& counts) {
   Image sum;
   for (const ExposureSample& sample : samples) {
     const PixelRays rays = shoot.rays.Shifted(sample.shift_x, sample.shift_y);
-    RenderedPhoto one = shoot.render(rays, sample.camera_from_world);
-    if (occluder) {
-      CoverWithOccluder(*occluder, shoot.lighting, rays, sample.camera_from_world, one);
-    }
+    RenderedPhoto one = render(rays, sample.camera_from_world);
+    counts += one.rays;
     if (sum.empty()) {
       sum = std::move(one.radiance);
       continue;
@@ -54,23 +51,27 @@ void ApplyConditions(const PhotoShoot& shoot, const PhotoConditions& conditions,
 
 TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from_world,
                      PhotoSplit split, const PhotoConditions& conditions) {
-  std::optional<Occluder> occluder;
+  PhotoRenderer render = shoot.render;
   if (conditions.occluded) {
     RandomStream random(shoot.seed, kOccluderStream, static_cast<uint64_t>(index));
-    occluder = MakeOccluder(shoot.trouble.occluder, shoot.rays.camera(), camera_from_world,
-                            shoot.center, random);
+    render = shoot.render_occluded(MakeOccluder(shoot.trouble.occluder, shoot.rays.camera(),
+                                                camera_from_world, shoot.center, random));
   }
-  RenderedPhoto sharp = shoot.render(shoot.rays, camera_from_world);
+  RenderedPhoto sharp = render(shoot.rays, camera_from_world);
   const int width = sharp.radiance.width(), height = sharp.radiance.height();
   TakenPhoto taken;
+  taken.rays = sharp.rays;
+  if (!sharp.standard_error.empty()) {
+    taken.noise =
+        TallyStandardErrors(sharp.radiance, sharp.standard_error, shoot.exposure, shoot.sensor);
+  }
   if (split == PhotoSplit::kTest) {
     taken.clean = Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-    const float* in = sharp.radiance.Data<float>();
+    RenderedPhoto open;
+    if (conditions.occluded) open = shoot.render(shoot.rays, camera_from_world);
+    const float* in = (conditions.occluded ? open : sharp).radiance.Data<float>();
     uint8_t* out = taken.clean.Data<uint8_t>();
     for (size_t i = 0; i < taken.clean.size(); ++i) out[i] = EncodeSrgb8(shoot.exposure * in[i]);
-  }
-  if (occluder) {
-    CoverWithOccluder(*occluder, shoot.lighting, shoot.rays, camera_from_world, sharp);
   }
   taken.mask = std::move(sharp.mask);
 
@@ -79,8 +80,8 @@ TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from
   const std::vector<ExposureSample> samples =
       ExposureSamples(camera_from_world, conditions.travel_mm, shoot.trouble.aperture_mm,
                       focus_depth_mm, shoot.trouble.blur_samples);
-  const Image radiance =
-      samples.size() == 1 ? std::move(sharp.radiance) : AverageExposure(shoot, samples, occluder);
+  const Image radiance = samples.size() == 1 ? std::move(sharp.radiance)
+                                             : AverageExposure(shoot, samples, render, taken.rays);
   const bool plain = conditions.exposure_stops == 0 && shoot.trouble.vignetting_stops == 0 &&
                      conditions.gains == Eigen::Vector3f(1, 1, 1);
   taken.picture = MakePicture(width, height, shoot.trouble.format);
@@ -89,8 +90,7 @@ TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from
     const float* in = &radiance.At<float>(0, y);
     for (size_t i = 0; i < row.size(); ++i) row[i] = shoot.exposure * in[i];
     if (!plain) ApplyConditions(shoot, conditions, y, row);
-    ExposePictureRow(shoot.sensor, row, shoot.seed, static_cast<uint64_t>(index), y,
-                     taken.picture);
+    ExposePictureRow(shoot.sensor, row, shoot.seed, static_cast<uint64_t>(index), y, taken.picture);
   }
   return taken;
 }

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "sample_data/random.h"
+#include "sample_data/scan_bounce.h"
 
 namespace lfm {
 namespace {
@@ -19,6 +20,7 @@ constexpr float kFar = 1e5f;
 constexpr float kOffsetMm = 0.02f;
 // Sixteen points of a pixel, seen across the stripes: the spans of neighbours overlap by half.
 constexpr double kSpansAcrossPixel = 8;
+constexpr int kEdgeRays = 8;
 
 double Fraction(double x) { return x - std::floor(x); }
 
@@ -47,8 +49,16 @@ class ScanTracer {
         eye_(camera_from_world.Center().cast<float>()),
         lamp_(projector_from_world_.Center().cast<float>()) {}
 
-  // sums: patterns.frames() values, in slot order, linear.
-  void TracePixel(int x, int y, float* sums) const {
+  // Traces a row of the band; frames in slot order.
+  void TraceRow(int y, ScanBand& band, RayCounts& counts) const {
+    for (int x = 0; x < band.width; ++x) {
+      TracePixel(x, y, band.Direct(x, y), band.Bounce(x, y), band.Guide(x, y), counts);
+    }
+  }
+
+ private:
+  void TracePixel(int x, int y, float* direct, float* bounce, ScanGuide& guide,
+                  RayCounts& counts) const {
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
       const float* offset = kFinePattern[s];
@@ -56,29 +66,41 @@ class ScanTracer {
                  kFar);
     }
     subject_.scene->Intersect(packet, RayOrder::kCoherent);
+    counts.camera += kFineSamples;
     SurfacePoint first[kFineSamples];
     bool any = false, gathers = false;
+    guide.whole = true;
     for (int s = 0; s < kFineSamples; ++s) {
       first[s] = Resolve(packet, s);
       any |= first[s].valid;
       gathers |= first[s].bounces;
+      guide.whole &= first[s].bounces;
+      guide.point += first[s].point / kFineSamples;
+      guide.normal += first[s].normal / kFineSamples;
+      guide.albedo += first[s].albedo / kFineSamples;
     }
     if (!any) return;
     const float share = static_cast<float>(exposure_.white * kPi / kPaintAlbedo) / kFineSamples;
     float factor[kFineSamples];
     for (int s = 0; s < kFineSamples; ++s) factor[s] = share * first[s].albedo / kPi;
-    AddProjected(first, factor, RayOrder::kCoherent, sums);
-    float ambient = 0;
-    if (gathers) {
-      ambient = AddBounce(x, y, first, share, sums);
-    } else {
-      for (const SurfacePoint& p : first) ambient += p.albedo / kFineSamples;
+    AddProjected(first, factor, RayOrder::kCoherent, direct, counts);
+    const float ambient_light = static_cast<float>(exposure_.ambient / kPaintAlbedo);
+    if (!gathers) {
+      for (int f = 0; f < patterns_.frames(); ++f) direct[f] += ambient_light * guide.albedo;
+      return;
     }
-    const float level = static_cast<float>(exposure_.ambient / kPaintAlbedo) * ambient;
-    for (int f = 0; f < patterns_.frames(); ++f) sums[f] += level;
+    RandomStream random(seed_, picture_,
+                        static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
+    // Edges are not filtered: they take more rays.
+    const int bounce_rays = exposure_.bounce_rays * (guide.whole ? 1 : kEdgeRays);
+    const float part = 1 / static_cast<float>(bounce_rays);
+    float ambient = 0;
+    for (int ray = 0; ray < bounce_rays; ++ray) {
+      ambient += part * AddBounce(random, first, part * share, bounce, counts);
+    }
+    for (int f = 0; f < patterns_.frames(); ++f) bounce[f] += ambient_light * ambient;
   }
 
- private:
   SurfacePoint Resolve(const RayPacket& packet, int lane) const {
     SurfacePoint p;
     const SurfaceHit hit = StudioScene::Hit(packet, lane);
@@ -107,8 +129,8 @@ class ScanTracer {
   // Adds the projector's light on each point, times `factor`; hidden points get none. The points
   // of one pixel stand for stretches of the pattern as long as their spacing, so that the edges of
   // stripes come out smooth; scattered ones (of a bounce) stand for themselves.
-  void AddProjected(const SurfacePoint* points, const float* factor, RayOrder order,
-                    float* sums) const {
+  void AddProjected(const SurfacePoint* points, const float* factor, RayOrder order, float* sums,
+                    RayCounts& counts) const {
     RayPacket packet;
     Eigen::Vector2d pixels[kFineSamples];
     float weights[kFineSamples] = {};
@@ -130,6 +152,7 @@ class ScanTracer {
       const float near = static_cast<float>(kNearMm) / depth;
       weights[s] = factor[s] * near * near * facing / depth;
       packet.Set(s, origin, to_lamp, 0, 0.999f);
+      ++counts.shadow;
     }
     subject_.scene->Occlude(packet);
     const Eigen::Vector2d width = order == RayOrder::kCoherent
@@ -193,9 +216,8 @@ class ScanTracer {
 
   // One cosine-distributed ray a sample. Returns the mean of albedo times the share of the room
   // seen.
-  float AddBounce(int x, int y, const SurfacePoint* first, float share, float* sums) const {
-    RandomStream random(seed_, picture_,
-                        static_cast<uint64_t>(y) * static_cast<uint64_t>(rays_.camera().width) + x);
+  float AddBounce(RandomStream& random, const SurfacePoint* first, float share, float* sums,
+                  RayCounts& counts) const {
     const double shift1 = random.Uniform(), shift2 = random.Uniform();
     RayPacket packet;
     for (int s = 0; s < kFineSamples; ++s) {
@@ -210,6 +232,7 @@ class ScanTracer {
       const V3f direction = radius * std::cos(angle) * t + radius * std::sin(angle) * b +
                             std::sqrt(std::max(0.0f, 1 - radius * radius)) * n;
       packet.Set(s, first[s].point + kOffsetMm * n, direction, 0, kFar);
+      ++counts.bounce;
     }
     subject_.scene->Intersect(packet, RayOrder::kScattered);
     SurfacePoint second[kFineSamples];
@@ -225,7 +248,7 @@ class ScanTracer {
       ambient += 0.5f * first[s].albedo * second[s].albedo / kFineSamples;
       factor[s] = share * first[s].albedo * second[s].albedo / kPi;
     }
-    AddProjected(second, factor, RayOrder::kScattered, sums);
+    AddProjected(second, factor, RayOrder::kScattered, sums, counts);
     return ambient;
   }
 
@@ -250,22 +273,27 @@ ScanExposure MakeScanExposure(const ScanTrouble& trouble) {
   return exposure;
 }
 
-std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
-                              const Pose& camera_from_world, const PatternTable& patterns,
-                              const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
-                              uint64_t picture) {
+ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                      const Pose& camera_from_world, const PatternTable& patterns,
+                      const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                      uint64_t picture) {
   const Camera& camera = rays.camera();
-  std::vector<Image> frames;
+  ScanFrames result;
+  std::vector<Image>& frames = result.pictures;
   for (int f = 0; f < patterns.frames(); ++f) {
     frames.emplace_back(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kSrgb);
   }
   const ScanTracer tracer(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
-  ParallelFor(0, camera.height, [&](int64_t y) {
-    std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width, 0.0f);
+  std::vector<RayCounts> counts(static_cast<size_t>(camera.height));
+  ScanBand band(camera.width, 0, camera.height, patterns.frames());
+  ParallelFor(0, camera.height,
+              [&](int64_t y) { tracer.TraceRow(static_cast<int>(y), band, counts[y]); });
+  ParallelFor(0, camera.height, [&](int64_t row) {
+    const int y = static_cast<int>(row);
+    std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width);
     std::vector<float> sums(patterns.frames());
     for (int x = 0; x < camera.width; ++x) {
-      std::fill(sums.begin(), sums.end(), 0.0f);
-      tracer.TracePixel(x, static_cast<int>(y), sums.data());
+      AddFilteredBounce(band, x, y, sums.data());
       for (int slot = 0; slot < patterns.frames(); ++slot) {
         rows[static_cast<size_t>(patterns.frame_of_slot()[slot]) * camera.width + x] = sums[slot];
       }
@@ -273,10 +301,48 @@ std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, co
     for (int f = 0; f < patterns.frames(); ++f) {
       const uint64_t stream = (picture << 16) + static_cast<uint64_t>(f) + 1;
       ExposeRow(sensor, &rows[static_cast<size_t>(f) * camera.width], camera.width, seed, stream,
-                static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, static_cast<int>(y)));
+                static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, y));
     }
   });
-  return frames;
+  for (const RayCounts& count : counts) result.rays += count;
+  return result;
+}
+
+NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                            const Pose& camera_from_world, const PatternTable& patterns,
+                            const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                            uint64_t picture, int row_step) {
+  constexpr uint64_t kAgain = 0x5ca2;
+  const Camera& camera = rays.camera();
+  const ScanTracer once(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
+  const ScanTracer again(subject, rig, rays, camera_from_world, patterns, exposure,
+                         ScrambleBits(seed ^ kAgain), picture);
+  const int first = std::min(row_step, camera.height) / 2;
+  std::vector<NoiseTally> tallies(
+      static_cast<size_t>((camera.height - first + row_step - 1) / row_step));
+  ParallelFor(0, static_cast<int64_t>(tallies.size()), [&](int64_t i) {
+    const int y = first + static_cast<int>(i) * row_step;
+    const int top = std::max(0, y - kBounceReach);
+    const int rows = std::min(camera.height - 1, y + kBounceReach) - top + 1;
+    ScanBand a(camera.width, top, rows, patterns.frames()), b = a;
+    RayCounts uncounted;
+    for (int row = top; row < top + rows; ++row) {
+      once.TraceRow(row, a, uncounted);
+      again.TraceRow(row, b, uncounted);
+    }
+    std::vector<float> one(patterns.frames()), other(patterns.frames());
+    for (int x = 0; x < camera.width; ++x) {
+      AddFilteredBounce(a, x, y, one.data());
+      AddFilteredBounce(b, x, y, other.data());
+      for (int f = 0; f < patterns.frames(); ++f) {
+        const double difference = static_cast<double>(one[f]) - other[f];
+        tallies[i].Add(one[f], difference * difference / 2, sensor);
+      }
+    }
+  });
+  NoiseTally sum;
+  for (const NoiseTally& tally : tallies) sum += tally;
+  return sum;
 }
 
 }  // namespace lfm

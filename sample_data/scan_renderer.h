@@ -11,6 +11,7 @@
 #include "sample_data/pixel_rays.h"
 #include "sample_data/scan_rig.h"
 #include "sample_data/sensor.h"
+#include "sample_data/studio_report.h"
 #include "sample_data/studio_scene.h"
 #include "sample_data/trouble.h"
 
@@ -25,6 +26,8 @@ struct ScanExposure {
   /// over edges and shadow borders is left out, and so is the pattern's change of scale within the
   /// blur. The printed plate does not spread light.
   double subsurface_mm = 0;
+  /// Of interreflected light, a sample (16 a pixel); 8 times as many where a pixel shows an edge.
+  int bounce_rays = 1;
 };
 /// Exposure of the scanner under `trouble`: ambient light, and both times the exposure factor.
 ScanExposure MakeScanExposure(const ScanTrouble& trouble);
@@ -32,6 +35,12 @@ ScanExposure MakeScanExposure(const ScanTrouble& trouble);
 inline constexpr double kNearMm = 395;
 /// Albedo of the matt white paint.
 inline constexpr double kPaintAlbedo = 0.80;
+
+/// Frames of one scan, and what they took.
+struct ScanFrames {
+  std::vector<Image> pictures;
+  RayCounts rays;
+};
 
 /// The set under the scanner: the object painted white, or none.
 struct ScanSubject {
@@ -42,10 +51,18 @@ struct ScanSubject {
 
 /// Renders all frames of one scan or placement as 8-bit sRGB gray pictures with sensor noise. Rays
 /// are traced once: 16 samples a pixel, each with its shadow ray to the projector and one bounce of
-/// interreflected projector light. The result depends on (seed, picture) only.
-std::vector<Image> RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
-                              const Pose& camera_from_world, const PatternTable& patterns,
-                              const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
-                              uint64_t picture);
+/// interreflected projector light, filtered (scan_bounce.h). The result depends on (seed, picture)
+/// only.
+ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                      const Pose& camera_from_world, const PatternTable& patterns,
+                      const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                      uint64_t picture);
+
+/// The Monte Carlo error of that scan beside the sensor's noise: every `row_step`-th row (with the
+/// rows that its filter reads) is traced twice, with independent random numbers.
+NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                            const Pose& camera_from_world, const PatternTable& patterns,
+                            const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                            uint64_t picture, int row_step);
 
 }  // namespace lfm

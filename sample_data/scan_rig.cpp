@@ -78,11 +78,22 @@ std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg) {
   return poses;
 }
 
+Pose Wobble(double wobble_mm, RandomStream& random) {
+  constexpr double kRimMm = 100;
+  Pose wobbled;
+  for (int c = 0; c < 3; ++c) wobbled.translation[c] = wobble_mm * random.Normal();
+  const double tilt_x = wobble_mm / kRimMm * random.Normal();
+  const double tilt_y = wobble_mm / kRimMm * random.Normal();
+  wobbled.rotation =
+      (Eigen::AngleAxisd(tilt_x, V3::UnitX()) * Eigen::AngleAxisd(tilt_y, V3::UnitY()))
+          .toRotationMatrix();
+  return wobbled;
+}
+
 std::vector<Pose> TroubleScanPoses(const std::vector<Pose>& poses, double axis_tilt_deg,
                                    double wobble_mm, uint64_t seed) {
   if (axis_tilt_deg == 0 && wobble_mm == 0) return poses;
   constexpr uint64_t kAxisStream = 51, kWobbleStream = 52;
-  constexpr double kRimMm = 100;
   const double lean = 2 * std::numbers::pi * RandomStream(seed, kAxisStream, 0).Uniform();
   const V3 axis =
       Eigen::AngleAxisd(axis_tilt_deg * kDegree, V3(std::cos(lean), std::sin(lean), 0)) *
@@ -95,14 +106,7 @@ std::vector<Pose> TroubleScanPoses(const std::vector<Pose>& poses, double axis_t
     const Pose undone{Eigen::AngleAxisd(turn, V3::UnitZ()).toRotationMatrix(), V3::Zero()};
     const Pose turned{Eigen::AngleAxisd(-turn, axis).toRotationMatrix(), V3::Zero()};
     RandomStream random(seed, kWobbleStream, i);
-    Pose wobbled;
-    for (int c = 0; c < 3; ++c) wobbled.translation[c] = wobble_mm * random.Normal();
-    const double tilt_x = wobble_mm / kRimMm * random.Normal();
-    const double tilt_y = wobble_mm / kRimMm * random.Normal();
-    wobbled.rotation =
-        (Eigen::AngleAxisd(tilt_x, V3::UnitX()) * Eigen::AngleAxisd(tilt_y, V3::UnitY()))
-            .toRotationMatrix();
-    troubled.push_back(poses[i] * undone * wobbled * turned);
+    troubled.push_back(poses[i] * undone * Wobble(wobble_mm, random) * turned);
   }
   return troubled;
 }

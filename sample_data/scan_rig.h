@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "core/pose.h"
+#include "sample_data/random.h"
 
 namespace lfm {
 
@@ -25,11 +26,14 @@ ScanRig MakeScanRig(int camera_width, int camera_height, int projector_width, in
 /// that each height sees the object from all round.
 std::vector<Pose> MakeScanPoses(int count, double low_deg, double high_deg);
 
+/// How a platform stands wobble_mm N(0, 1) off along each axis, and tilted about x and y so that
+/// its rim, 100 mm out, is as far off again: where it stands from where it should.
+Pose Wobble(double wobble_mm, RandomStream& random);
+
 /// The same scans on a bad turntable. The platform turns, from its place in the first scan on,
 /// about an axis through its origin that leans by `axis_tilt_deg` from its normal (in a random
-/// direction); and in every scan it stands wobble_mm N(0, 1) off along each axis, and tilted so
-/// that its rim, 100 mm out, is as far off again. Poses are those of the platform as it stood.
-/// Without trouble the poses as they are.
+/// direction); and in every scan it stands off by a Wobble. Poses are those of the platform as it
+/// stood. Without trouble the poses as they are.
 std::vector<Pose> TroubleScanPoses(const std::vector<Pose>& poses, double axis_tilt_deg,
                                    double wobble_mm, uint64_t seed);
 

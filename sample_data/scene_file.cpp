@@ -14,6 +14,7 @@
 #include "sample_data/mesh_import.h"
 #include "sample_data/scene_surface.h"
 #include "sample_data/shapes/shape_generators.h"
+#include "sample_data/texture.h"
 
 namespace lfm {
 namespace {
@@ -72,18 +73,41 @@ Shape Placed(Shape shape, const Placement& place) {
   return all;
 }
 
-// A mesh file's shape; its vertex colours become paint.
-Shape ReadMeshShape(JsonReader& reader, const std::filesystem::path& folder,
-                    const std::string& name, std::vector<std::string>& warnings) {
+// The surface of an object that says nothing of its own: a mesh file's only material.
+void TakeMaterial(const ImportedMesh& imported, SceneObject& object,
+                  std::vector<std::string>& warnings) {
+  if (imported.material.empty()) return;
+  const std::set<int> used(imported.material.begin(), imported.material.end());
+  if (used.size() > 1) {
+    warnings.push_back(object.name +
+                       ": the file's materials differ and are left out; \"paint\": true takes "
+                       "their colours");
+    return;
+  }
+  if (*used.begin() < 0) return;
+  const ObjMaterial& material = imported.materials[*used.begin()];
+  object.material.diffuse = material.diffuse;
+  if (material.picture.empty() || imported.uv.empty()) return;
+  object.texture.kind = TextureKind::kImage;
+  object.texture.mapping = TextureMapping::kUv;
+  object.texture.image = std::make_shared<Image>(ReadTextureImage(material.picture));
+}
+
+// A mesh file's shape; its colours become paint.
+Shape ReadMeshShape(JsonReader& reader, const std::filesystem::path& folder, bool own_surface,
+                    SceneObject& object, std::vector<std::string>& warnings) {
   ImportedMesh imported;
   try {
     imported = ImportMesh(ExistingFile(reader, "mesh", folder));
+    if (!own_surface) TakeMaterial(imported, object, warnings);
+    imported.mesh.colors = MaterialColors(imported);
   } catch (const Error& e) {
     const std::string what = e.what();
     if (what.find("there is no file") != what.npos) throw;
     reader.Fail("mesh", what);
   }
-  for (const std::string& warning : imported.warnings) warnings.push_back(name + ": " + warning);
+  for (const std::string& warning : imported.warnings)
+    warnings.push_back(object.name + ": " + warning);
   Shape shape = {std::move(imported.mesh), std::move(imported.uv), {}};
   if (shape.mesh.colors.empty()) return shape;
   for (size_t v = 0; v < shape.mesh.vertices.size(); ++v) {
@@ -121,7 +145,8 @@ SceneObject ReadObject(JsonReader reader, const std::filesystem::path& folder, S
     reader.Finish();
     shape = GenerateShape(parameters, detail);
   } else {
-    shape = ReadMeshShape(reader, folder, object.name, warnings);
+    const bool own_surface = own_paint || reader.Has("material") || reader.Has("texture");
+    shape = ReadMeshShape(reader, folder, own_surface, object, warnings);
     reader.Finish();
   }
   if (own_paint && shape.paint.empty()) {

@@ -29,10 +29,13 @@ uint8_t EncodeSrgb8(float linear) {
   return table[std::min(kTableSize - 1, static_cast<int>(std::min(linear, 1.0f) * kTableSize))];
 }
 
-float NoisyValue(const Sensor& sensor, float value, double normal) {
+double NoiseVariance(const Sensor& sensor, float value) {
   const double read = sensor.read_noise / sensor.full_well;
-  const double variance = value / sensor.full_well + read * read;
-  return static_cast<float>(value + std::sqrt(variance) * normal);
+  return value / sensor.full_well + read * read;
+}
+
+float NoisyValue(const Sensor& sensor, float value, double normal) {
+  return static_cast<float>(value + std::sqrt(NoiseVariance(sensor, value)) * normal);
 }
 
 void ExposeRow(const Sensor& sensor, const float* linear, int count, uint64_t seed,

@@ -8,7 +8,8 @@
 
 namespace lfm {
 
-/// A sensor that turns linear values (1 = full well) into electrons with noise.
+/// A sensor that turns linear values (1 = full well) into electrons with noise. An infinite well
+/// makes none.
 struct Sensor {
   double full_well = 20000;  ///< electrons at 1; shot noise has the variance of the mean
   double read_noise = 5;     ///< electrons, standard deviation
@@ -19,6 +20,8 @@ struct Sensor {
 /// distribution stands for Poisson's, whose mean and variance it shares. `values` must not be
 /// below 0; those above 1 saturate later.
 float NoisyValue(const Sensor& sensor, float value, double normal);
+/// The variance of that noise.
+double NoiseVariance(const Sensor& sensor, float value);
 
 /// One picture row: `count` linear values to 8-bit sRGB, with noise.
 void ExposeRow(const Sensor& sensor, const float* linear, int count, uint64_t seed,

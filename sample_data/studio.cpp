@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -21,11 +22,9 @@
 #include "sample_data/photo_source.h"
 #include "sample_data/plate.h"
 #include "sample_data/random.h"
-#include "sample_data/scan_renderer.h"
 #include "sample_data/scene_file.h"
 #include "sample_data/scene_mesh.h"
 #include "sample_data/trouble_files.h"
-#include "scan/patterns.h"
 
 namespace lfm {
 namespace {
@@ -36,8 +35,14 @@ constexpr const char* kScannerCamera = "scanner";
 constexpr const char* kPaintedScene = "bust";
 // What white paper becomes where the plate is lit best, linear: bright, but never saturated.
 constexpr double kPaperLevel = 0.68;
-constexpr uint64_t kScanPictures = 1u << 20, kPlacementPictures = 1u << 21;
 constexpr uint64_t kBorderStream = 35;
+// The most that one path of few may bring of bounced light, in units of the best lit paper's
+// radiance: more comes from caustics, which are fireflies at few samples.
+constexpr double kIndirectLimit = 1;
+// Of traced scenes with --tiny.
+constexpr int kTinySamples = 2, kTinyBounces = 2;
+// Photographs that tell the noise of a baked scene.
+constexpr int kNoisePhotos = 4;
 
 std::string Numbered(const char* format, int number) {
   char text[64];
@@ -45,24 +50,10 @@ std::string Numbered(const char* format, int number) {
   return text;
 }
 
-PatternOptions MakePatternOptions(const StudioOptions& options) {
-  PatternOptions patterns;
-  patterns.scheme = options.patterns;
-  patterns.phase_steps = options.phase_steps;
-  patterns.stripe = {StripeProfile::kGauss, options.stripe_width_px, options.stripe_step_px};
-  return patterns;
-}
-
 std::string PhotoEnding(const StudioOptions& options) {
   const PhotoFormat format = options.trouble.photo.format;
   if (format == PhotoFormat::kPng8 && options.jpeg_quality > 0) return ".jpg";
   return PictureEnding(format);
-}
-
-std::vector<std::string> RoleNames(const PatternSequence& sequence) {
-  std::vector<std::string> names;
-  for (const Pattern& pattern : sequence.patterns) names.push_back(PatternName(pattern));
-  return names;
 }
 
 // One run of the studio.
@@ -76,8 +67,7 @@ class Studio {
         photo_ending_(PhotoEnding(options)),
         seed_(static_cast<uint64_t>(options.seed)),
         sag_mm_(options.trouble.platform.plate_sag_mm),
-        sensor_{options.trouble.sensor.full_well_electrons,
-                options.trouble.sensor.read_noise_electrons},
+        sensor_(MakeSensor(options)),
         board_(PrintedBoard(DefaultBoard(), options.trouble.platform, seed_)),
         reflectance_(board_) {}
 
@@ -90,7 +80,7 @@ class Studio {
     result_.truth.name = result_.capture.name + " (ground truth)";
     result_.truth.mesh = "mesh.ply";
     TakePhotos();
-    if (options_.scans > 0 || options_.placements > 0) TakeScans();
+    if (options_.scans > 0 || options_.placements > 0) ScanObject();
     result_.mesh = std::move(subject_.mesh);
     result_.printed = board_;
     return std::move(result_);
@@ -100,14 +90,18 @@ class Studio {
   void MakeObject() {
     progress_.Start("shaping the object", 1);
     if (!options_.mesh.empty()) {
-      subject_ =
-          MakeSubject(ReadPlyMesh(options_.mesh), options_.mesh_height_mm, options_.edge_mm, seed_);
+      ImportedMesh imported = ImportMesh(options_.mesh);
+      for (const std::string& warning : imported.warnings) progress_.Note(warning);
+      subject_ = MakeSubject(std::move(imported), options_.mesh_height_mm, options_.edge_mm, seed_);
     } else if (options_.scene == kPaintedScene) {
       subject_ = MakeBust(options_.edge_mm, seed_);
     } else {
       scene_description_ =
           FindScene(options_.scene, options_.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
       for (const std::string& warning : scene_description_->warnings) progress_.Note(warning);
+      if (options_.tiny) {
+        scene_description_->bounces = std::min(scene_description_->bounces, kTinyBounces);
+      }
       subject_.mesh = JoinObjects(scene_description_->objects);
     }
     const Pose table{Eigen::Matrix3d::Identity(), {0, 0, -kPlateThicknessMm}};
@@ -118,9 +112,13 @@ class Studio {
 
   std::unique_ptr<PhotoSource> LightScene() {
     if (scene_description_) {
-      const int usual_samples = options_.tiny ? 4 : 16;
+      const int usual_samples = options_.tiny ? kTinySamples : 16;
       return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
-                              options_.SamplesPerPixel(usual_samples), seed_);
+                              options_.SamplesPerPixel(usual_samples),
+                              options_.quality == RenderQuality::kReference
+                                  ? std::numeric_limits<double>::infinity()
+                                  : kIndirectLimit,
+                              seed_);
     }
     BakeOptions bake;
     bake.seed = seed_;
@@ -146,31 +144,71 @@ class Studio {
     std::vector<CameraStation> stations = MakeCameraPath(camera, subject_.mesh, path);
     DrawConditions(camera, stations);
 
+    const StageClock lighting_clock;
     const std::unique_ptr<PhotoSource> source = LightScene();
+    if (const RayCounts traced = source->LightingRays(); traced.Total() > 0) {
+      StageReport& report = result_.report.emplace_back();
+      report.name = "baking light";
+      report.rays = traced;
+      lighting_clock.Stop(report);
+    }
+    const StageClock clock;
     const PixelRays rays(camera);
     const PhotoRenderer render = [&](const PixelRays& r, const Pose& camera_from_world) {
       return source->Render(r, camera_from_world);
     };
+    const auto render_occluded = [&](const Occluder& occluder) {
+      return source->WithOccluder(occluder);
+    };
     const PhotoShoot shoot{rays,
-                           source->lighting(),
                            trouble,
                            render,
+                           render_occluded,
                            sensor_,
                            static_cast<float>(kPaperLevel / source->BrightestPaper()),
                            SubjectCenter(subject_.mesh),
                            seed_};
     progress_.Start("photographs", options_.photos);
+    StageReport report;
+    report.name = "photographs";
+    std::vector<TakenPhoto> taken(static_cast<size_t>(options_.photos));
     ParallelFor(0, options_.photos, [&](int64_t i) {
-      const TakenPhoto photo = TakePhoto(shoot, static_cast<int>(i), stations[i].camera_from_world,
-                                         stations[i].split, result_.conditions[i]);
+      TakenPhoto photo = TakePhoto(shoot, static_cast<int>(i), stations[i].camera_from_world,
+                                   stations[i].split, result_.conditions[i]);
       const std::string id = Numbered("photo_%03d", static_cast<int>(i));
       sink_("photos/" + id + photo_ending_, photo.picture);
       sink_("ground_truth/masks/" + id + ".png", photo.mask);
       if (!photo.clean.empty()) sink_("ground_truth/photos/" + id + ".png", photo.clean);
+      taken[i].rays = photo.rays;
+      taken[i].noise = photo.noise;
       progress_.Advance();
     });
-    if (const std::string costs = source->Costs(); !costs.empty()) progress_.Note(costs);
+    NoiseTally noise;
+    for (const TakenPhoto& photo : taken) {
+      report.rays += photo.rays;
+      noise += photo.noise;
+    }
+    clock.Stop(report);
+    noise += CompareWithSecondLight(*source, shoot, stations);
+    report.noise = noise;
+    result_.report.push_back(std::move(report));
     ListPhotos(camera, stations);
+  }
+
+  // Of sources whose pictures do not know their error: some photographs are rendered twice.
+  NoiseTally CompareWithSecondLight(const PhotoSource& source, const PhotoShoot& shoot,
+                                    const std::vector<CameraStation>& stations) const {
+    NoiseTally noise;
+    const int count = std::min(kNoisePhotos, options_.photos);
+    for (int i = 0; i < count; ++i) {
+      const Pose& pose =
+          stations[static_cast<size_t>(i) * stations.size() / count].camera_from_world;
+      const std::optional<RenderedPhoto> again = source.RenderAgain(shoot.rays, pose);
+      if (!again) break;
+      noise += TallyDifferences(source.Render(shoot.rays, pose).radiance, again->radiance,
+                                shoot.exposure, shoot.sensor);
+    }
+    return noise;
   }
 
   // Who has a stick before the lens, and who looks past the platform.
@@ -207,82 +245,15 @@ class Studio {
     }
   }
 
-  void TakeScans() {
-    const ScanRig rig = MakeScanRig(options_.scan_width, options_.scan_height,
-                                    options_.projector_width, options_.projector_height);
-    const PixelRays rays(rig.camera);
-    Scanner scanner;
-    scanner.camera = kScannerCamera;
-    scanner.projector_width = rig.projector.width;
-    scanner.projector_height = rig.projector.height;
-    const PatternOptions patterns = MakePatternOptions(options_);
-    const PatternSequence columns = MakePatternSequence(rig.projector.width, rig.projector.height,
-                                                        PatternRows::kWithout, patterns);
-    const PatternSequence both = MakePatternSequence(rig.projector.width, rig.projector.height,
-                                                     PatternRows::kWith, patterns);
-    scanner.scan_roles = RoleNames(columns);
-    scanner.placement_roles = RoleNames(both);
-    progress_.Start("scans", options_.scans + options_.placements);
-
-    const ScanTrouble& trouble = options_.trouble.scan;
-    const ScanExposure exposure = MakeScanExposure(trouble);
-    const PatternTable scan_patterns(columns, trouble);
-    const std::vector<Pose> poses = TroubleScanPoses(
-        MakeScanPoses(options_.scans, options_.rig_low_deg, options_.rig_high_deg),
-        options_.trouble.platform.axis_tilt_deg, options_.trouble.platform.wobble_mm, seed_);
-    const ScanSubject painted{scene_.get(), &subject_.mesh, &reflectance_};
-    for (int i = 0; i < options_.scans; ++i) {
-      const std::vector<Image> frames =
-          RenderScan(painted, rig, rays, poses[i], scan_patterns, exposure, sensor_, seed_,
-                     kScanPictures + static_cast<uint64_t>(i));
-      scanner.scans.push_back(
-          WriteFrames("scans/", Numbered("scan_%02d", i), scanner.scan_roles, frames));
-      progress_.Advance();
-    }
-
-    const PatternTable placement_patterns(both, trouble);
-    const std::vector<PlatformPlacement> placements = MakePlacements(options_.placements);
-    for (int i = 0; i < options_.placements; ++i) {
-      const StudioScene empty(
-          nullptr, MakeBentPlateAndTable(board_, sag_mm_, placements[i].world_from_table));
-      const std::vector<Image> frames =
-          RenderScan({&empty, nullptr, &reflectance_}, rig, rays, placements[i].camera_from_world,
-                     placement_patterns, exposure, sensor_, seed_,
-                     kPlacementPictures + static_cast<uint64_t>(i));
-      scanner.placements.push_back(WriteFrames("placements/", Numbered("placement_%02d", i),
-                                               scanner.placement_roles, frames));
-      progress_.Advance();
-    }
-    ListScanner(rig, poses, placements, std::move(scanner));
-  }
-
-  ScanSet WriteFrames(const std::string& folder, const std::string& id,
-                      const std::vector<std::string>& roles, const std::vector<Image>& frames) {
-    ScanSet set;
-    set.id = id;
-    for (const std::string& role : roles) {
-      set.frames.push_back(folder + id + "/" + role + ending_);
-    }
-    ParallelFor(0, static_cast<int64_t>(frames.size()),
-                [&](int64_t f) { sink_(set.frames[f], frames[f]); });
-    return set;
-  }
-
-  void ListScanner(const ScanRig& rig, const std::vector<Pose>& poses,
-                   const std::vector<PlatformPlacement>& placements, Scanner scanner) {
-    const Camera& camera = rig.camera;
+  void ScanObject() {
+    TakenScans taken = TakeScans(options_, {*scene_, subject_.mesh, reflectance_, board_}, sensor_,
+                                 kScannerCamera, ending_, sink_, progress_);
+    const Camera& camera = taken.camera;
     result_.capture.cameras[kScannerCamera] = {camera.width, camera.height, {}, {}};
     result_.truth.cameras[kScannerCamera] = {camera.width, camera.height, camera, {}};
-    result_.capture.scanner = scanner;
-    scanner.projector = rig.projector;
-    scanner.projector_from_camera = rig.projector_from_camera;
-    for (size_t i = 0; i < scanner.scans.size(); ++i) {
-      scanner.scans[i].camera_from_world = poses[i];
-    }
-    for (size_t i = 0; i < scanner.placements.size(); ++i) {
-      scanner.placements[i].camera_from_world = placements[i].camera_from_world;
-    }
-    result_.truth.scanner = std::move(scanner);
+    result_.capture.scanner = std::move(taken.scanner);
+    result_.truth.scanner = std::move(taken.truth);
+    result_.report.push_back(std::move(taken.report));
   }
 
   const StudioOptions& options_;
@@ -301,6 +272,18 @@ class Studio {
 };
 
 }  // namespace
+
+Sensor MakeSensor(const StudioOptions& options) {
+  const SensorTrouble& asked = options.trouble.sensor;
+  const SensorTrouble usual;
+  const bool untouched = asked.full_well_electrons == usual.full_well_electrons &&
+                         asked.read_noise_electrons == usual.read_noise_electrons;
+  const bool silent =
+      asked.noise == SensorNoise::kOff || (asked.noise == SensorNoise::kAuto && untouched &&
+                                           options.quality == RenderQuality::kReference);
+  if (silent) return {std::numeric_limits<double>::infinity(), 0};
+  return {asked.full_well_electrons, asked.read_noise_electrons};
+}
 
 StudioOptions ResolveTiny(const StudioOptions& options) {
   if (!options.tiny) return options;
@@ -360,6 +343,8 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   WritePly(result.mesh, truth.folder / truth.mesh);
   WriteTrouble(options, result, truth.folder);
   WriteExports(capture, truth);
+  WriteStudioReport(options, result.report, truth.folder / "studio.json");
+  NoteReport(result.report, progress);
   SaveCapture(truth);
   WriteBoard(DefaultBoard(), folder / capture.board);
   SaveCapture(capture);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/options.h"
+#include "sample_data/sensor.h"
 #include "sample_data/trouble.h"
 #include "scan/patterns.h"
 
@@ -44,12 +45,16 @@ struct StudioOptions {
     v.Text({"scene", "What is recorded: a scene that is built in, or a scene file (JSON)."}, scene);
     v.Enumeration(
         {"quality",
-         "Samples of light: a quarter, the usual, or 16 times as many."},
+         "Samples of light: a quarter, the usual, or 16 times as many, a sensor without noise "
+         "(--sensor-noise) and no limit to the light of one path."},
         {"draft", "default", "reference"}, quality);
     v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
                "", 1, 3},
               transport_channels);
-    v.Text({"mesh", "A PLY mesh to stand on the platform instead of the scene's object."}, mesh);
+    v.Text({"mesh",
+            "A PLY or OBJ mesh to stand on the platform, painted, instead of the scene's object. "
+            "Colours: its vertices', or its materials' and their pictures."},
+           mesh);
     v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
     v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
     v.Flag({"tiny",
@@ -86,6 +91,10 @@ struct StudioOptions {
     trouble.Declare(v);
   }
 };
+
+/// The sensor of these options: without noise (an infinite well) when that is switched off, or left
+/// to the program at reference quality with well and read noise at their defaults.
+Sensor MakeSensor(const StudioOptions& options);
 
 /// With `tiny` set, every size and count still at its default takes the tiny value: 20 photographs
 /// of 320 x 240 (2 test), 3 scans and 3 placements of 240 x 180, a projector of 256 x 192 with 4

@@ -32,7 +32,8 @@ Eigen::AlignedBox3d Bounds(const TriangleMesh& mesh) {
 // edges are marked.
 class EdgeSplitter {
  public:
-  EdgeSplitter(TriangleMesh& mesh, double edge_mm) : mesh_(mesh), limit2_(edge_mm * edge_mm) {}
+  EdgeSplitter(ImportedMesh& imported, double edge_mm)
+      : imported_(imported), mesh_(imported.mesh), limit2_(edge_mm * edge_mm) {}
 
   bool Round() {
     midpoints_.clear();
@@ -72,6 +73,14 @@ class EdgeSplitter {
         const float confidence = 0.5f * (mesh_.confidence[a] + mesh_.confidence[b]);
         mesh_.confidence.push_back(confidence);
       }
+      if (!imported_.uv.empty()) {
+        const Eigen::Vector2f uv = 0.5f * (imported_.uv[a] + imported_.uv[b]);
+        imported_.uv.push_back(uv);
+      }
+      if (!imported_.material.empty()) {
+        const int material = imported_.material[a];
+        imported_.material.push_back(material);
+      }
     }
     return entry->second;
   }
@@ -108,6 +117,7 @@ class EdgeSplitter {
     return true;
   }
 
+  ImportedMesh& imported_;
   TriangleMesh& mesh_;
   double limit2_;
   std::unordered_map<uint64_t, int> midpoints_;
@@ -143,7 +153,8 @@ Subject MakeBust(double edge_mm, uint64_t seed) {
   return subject;
 }
 
-Subject MakeSubject(TriangleMesh mesh, double height_mm, double edge_mm, uint64_t seed) {
+Subject MakeSubject(ImportedMesh imported, double height_mm, double edge_mm, uint64_t seed) {
+  TriangleMesh& mesh = imported.mesh;
   ValidateMesh(mesh, "the subject's mesh");
   const Eigen::AlignedBox3d box = Bounds(mesh);
   const V3 size = box.sizes();
@@ -157,8 +168,9 @@ Subject MakeSubject(TriangleMesh mesh, double height_mm, double edge_mm, uint64_
   if (mesh.normals.empty()) mesh.normals = ComputeVertexNormals(mesh);
   mesh.confidence.clear();  // what was measured elsewhere says nothing here
   Subject subject;
-  subject.mesh = SplitLongEdges(std::move(mesh), edge_mm);
-  const std::vector<Eigen::Vector3f> base = subject.mesh.colors;
+  imported = SplitLongEdges(std::move(imported), edge_mm);
+  const std::vector<Eigen::Vector3f> base = MaterialColors(imported);
+  subject.mesh = std::move(imported.mesh);
   PaintVertices(subject, [&](int64_t v) {
     Eigen::Vector3f color(0.35f, 0.22f, 0.14f);
     if (!base.empty()) {
@@ -169,12 +181,12 @@ Subject MakeSubject(TriangleMesh mesh, double height_mm, double edge_mm, uint64_
   return subject;
 }
 
-TriangleMesh SplitLongEdges(TriangleMesh mesh, double edge_mm) {
+ImportedMesh SplitLongEdges(ImportedMesh imported, double edge_mm) {
   if (!(edge_mm > 0)) throw Error("splitting edges: the longest edge must be above 0");
-  EdgeSplitter splitter(mesh, edge_mm);
+  EdgeSplitter splitter(imported, edge_mm);
   while (splitter.Round()) {
   }
-  return mesh;
+  return imported;
 }
 
 }  // namespace lfm

@@ -187,4 +187,23 @@ void ValidateSurface(const SceneObject& object) {
   }
 }
 
+Image ReadTextureImage(const std::filesystem::path& file) {
+  // A 16-bit PNG does not say what it holds: as 8-bit ones, take it as sRGB.
+  const Image picture = ToLinearFloat(ReadImage(file, ColorEncoding::kSrgb));
+  const size_t used = picture.channels() < 3 ? 1 : 3;  // alpha is left out
+  Image rgb(picture.width(), picture.height(), 3, PixelType::kFloat32, ColorEncoding::kLinear);
+  const float* from = picture.Data<float>();
+  float* to = rgb.Data<float>();
+  for (size_t i = 0; i < rgb.size() / 3; ++i) {
+    for (size_t c = 0; c < 3; ++c) {
+      const float value = from[i * picture.channels() + (used == 3 ? c : 0)];
+      if (!(value >= 0 && value <= 1)) {
+        throw Error(file.string() + ": a texture's values must lie between 0 and 1");
+      }
+      to[3 * i + c] = value;
+    }
+  }
+  return rgb;
+}
+
 }  // namespace lfm

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <filesystem>
 
 #include "sample_data/material.h"
 #include "sample_data/scene_description.h"
@@ -38,6 +39,11 @@ Eigen::Vector3f TextureValue(const Texture& texture, const TextureFrame& frame,
 /// TextureKind says.
 Material ResolveMaterial(const SceneObject& object, const TextureFrame& frame, int triangle,
                          float u, float v, const Eigen::Vector3f& point);
+
+/// A picture for `Texture::image`: linear RGB in [0, 1], gray spread over the channels, alpha left
+/// out. 8-bit and 16-bit files are taken as sRGB. Throws Error (file) for what is no picture, and
+/// for values outside [0, 1] or not finite.
+Image ReadTextureImage(const std::filesystem::path& file);
 
 /// Throws Error, naming the object, when material or texture cannot be used: a material out of
 /// range, a scale that is not positive, colours outside [0, 1] (10 for pictures), an image that is

@@ -30,8 +30,12 @@ struct PhotoTrouble {
   PhotoFormat format = PhotoFormat::kPng8;
 
   void Declare(OptionVisitor& v) {
-    v.Number({"distortion", "The lens's distortion, in units of the usual.", "", -3, 3},
-             distortion);
+    v.Number(
+        {"distortion",
+         "The lens's distortion, in units of the usual, which moves a corner of the picture by "
+         "1.3 % of its diagonal (16 px of 960 x 720).",
+         "", -3, 3},
+        distortion);
     v.Number({"exposure-jitter", "Standard deviation of the exposure between photographs.", "stops",
               0, 3},
              exposure_jitter_stops);
@@ -64,11 +68,19 @@ struct PhotoTrouble {
   }
 };
 
+/// Whether the sensor makes noise.
+enum class SensorNoise { kAuto, kOn, kOff };
+
 /// The sensor of both cameras.
 struct SensorTrouble {
+  SensorNoise noise = SensorNoise::kAuto;
   double full_well_electrons = 20000, read_noise_electrons = 5;
 
   void Declare(OptionVisitor& v) {
+    v.Enumeration({"sensor-noise",
+                   "Shot and read noise; auto: off at --quality reference, unless --full-well or "
+                   "--read-noise is given; else on. Files of 8 and 16 bits round all the same."},
+                  {"auto", "on", "off"}, noise);
     v.Number({"full-well", "Electrons of a saturated pixel; fewer make more shot noise.",
               "electrons", 100, 1e12},
              full_well_electrons);
@@ -80,7 +92,7 @@ struct SensorTrouble {
 /// How the real platform departs from board.json and from a good turntable.
 struct PlatformTrouble {
   double tag_error_mm = 0, print_scale_percent = 0, plate_sag_mm = 0;
-  double axis_tilt_deg = 0, wobble_mm = 0;
+  double axis_tilt_deg = 0, wobble_mm = 0, frame_wobble_mm = 0;
 
   void Declare(OptionVisitor& v) {
     v.Number(
@@ -97,6 +109,11 @@ struct PlatformTrouble {
     v.Number({"wobble", "Standard deviation of the platform's place at a scan, and at its rim.",
               "mm", 0, 5},
              wobble_mm);
+    v.Number({"frame-wobble",
+              "The same from frame to frame within a scan, about the scan's place (each frame is "
+              "traced alone: slow).",
+              "mm", 0, 5},
+             frame_wobble_mm);
   }
 };
 

@@ -115,5 +115,29 @@ TEST(DirectionalResponse, RefusesWhatIsNoLight) {
   EXPECT_THROW(DirectionalResponse(scene, {{0, 0, 1}}, 1, 65), Error);
 }
 
+// Of bounced light a path brings the limit at most; direct light is spared.
+TEST(DirectionalResponse, TheLimitCutsBouncedLightOnly) {
+  const std::vector<SceneObject> objects = {Square(0, {kAlbedo, kAlbedo, kAlbedo}),
+                                            Wall({0.9f, 0.45f, 0.9f})};
+  const TracedScene scene(objects, {}, nullptr);
+  const std::vector<V3f> lights = {V3f(1, 0, 0.3f).normalized()};
+  const auto row = [&](int bounces, float limit) {
+    std::vector<float> values(3, 0.0f);
+    const std::vector<PathRay> rays = Rays({10, 0, 0}, 4096);
+    DirectionalResponse(scene, lights, kPi, bounces, limit)
+        .Add(rays, 1.0f / static_cast<float>(rays.size()), values.data());
+    return values;
+  };
+  constexpr float kLimit = 0.05f;
+  const std::vector<float> direct = row(0, kLimit), all = row(1, 1e9f), limited = row(1, kLimit);
+  EXPECT_EQ(direct, row(0, 1e9f));
+  EXPECT_GT(all[0] - direct[0], 2 * kLimit);
+  EXPECT_GT(limited[0] - direct[0], 0.2f * kLimit);
+  EXPECT_LT(limited[0] - direct[0], kLimit);
+  // All colours are scaled alike.
+  EXPECT_NEAR((limited[1] - direct[1]) / (limited[0] - direct[0]), 0.5, 1e-3);
+  EXPECT_THROW(DirectionalResponse(scene, lights, 1, 1, 0), Error);
+}
+
 }  // namespace
 }  // namespace lfm

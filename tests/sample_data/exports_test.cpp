@@ -161,6 +161,11 @@ TEST_F(ExportsTest, PointsReprojectThroughTransformsJson) {
   std::ifstream stream(file);
   const nlohmann::json json = nlohmann::json::parse(stream);
   EXPECT_EQ(json.at("camera_model"), "OPENCV");
+  // Millimetres survive: nothing was applied.
+  EXPECT_EQ(json.at("applied_scale"), 1);
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(json.at("applied_transform")[r][c], r == c ? 1 : 0);
+  }
   ASSERT_EQ(json.at("frames").size(), 4u);
   for (int i = 0; i < 4; ++i) {
     const nlohmann::json& f = json.at("frames")[i];

@@ -42,9 +42,15 @@ SceneDescription Floor(SceneKind kind) {
 TEST(FieldStudio, RowsOfALambertianFloorSumToItsAlbedo) {
   const ScratchFolder scratch;
   for (const SceneKind kind : {SceneKind::kTransportImage, SceneKind::kTransportMesh}) {
-    const RayCounts rays =
+    const StageReport report =
         MakeFieldCapture(Floor(kind), StudioOptions(), scratch.folder, SilentProgress());
-    EXPECT_GT(rays.shadow, 0);
+    EXPECT_GT(report.rays.shadow, 0);
+    EXPECT_TRUE(std::filesystem::exists(scratch.folder / "ground_truth/studio.json"));
+    // Direct light has no random numbers.
+    ASSERT_TRUE(report.noise);
+    EXPECT_GT(report.noise->values, 0);
+    EXPECT_GT(report.noise->ValueRms(), 0);
+    EXPECT_LT(report.noise->MonteCarloRms(), 1e-3 * report.noise->ValueRms());
     const Capture capture = LoadCapture(scratch.folder);
     ASSERT_TRUE(capture.transport);
     const TransportMatrix matrix(scratch.folder / capture.transport->file);
@@ -62,7 +68,8 @@ TEST(FieldStudio, RowsOfALambertianFloorSumToItsAlbedo) {
       EXPECT_NEAR(sum, kAlbedo, 0.01) << r;
       EXPECT_EQ(below, 0) << r;
     }
-    EXPECT_EQ(std::filesystem::exists(scratch.folder / "preview.png"), image);
+    const Image preview = ReadImage(scratch.folder / "preview.png");
+    EXPECT_EQ(preview.width(), FixedCamera(Floor(kind).view).width);
   }
 }
 

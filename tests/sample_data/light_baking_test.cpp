@@ -130,6 +130,37 @@ TEST(LightBaking, ThePlateLightsTheBallFromBelow) {
   EXPECT_LT(below / count, most);
 }
 
+// Baking with two seeds at once is baking with each alone.
+TEST(LightBaking, SeedsDoNotKnowOfEachOther) {
+  const Subject ball = Ball(25);
+  const Board board = DefaultBoard();
+  const SetReflectance reflectance(board);
+  const StudioScene scene(&ball.mesh,
+                          MakePlateAndTable(board, {Eigen::Matrix3d::Identity(), {0, 0, -5}}));
+  BakeOptions options;
+  options.gather_rays = 32;
+  options.plate_spacing_mm = 8;
+  const Lighting lighting = MakeStudioLighting();
+  const uint64_t seeds[] = {7, 8};
+  const std::vector<BakedLight> both =
+      BakeLights(scene, ball, lighting, reflectance, options, seeds, SilentProgress());
+  ASSERT_EQ(both.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    options.seed = seeds[i];
+    const BakedLight alone =
+        BakeLight(scene, ball, lighting, reflectance, options, SilentProgress());
+    EXPECT_EQ(both[i].diffuse_radiance, alone.diffuse_radiance);
+    EXPECT_EQ(both[i].harmonics, alone.harmonics);
+    EXPECT_EQ(both[i].cell_visibility, alone.cell_visibility);
+    for (size_t p = 0; p < alone.patches.size(); ++p) {
+      EXPECT_EQ(both[i].patches[p].irradiance, alone.patches[p].irradiance);
+    }
+    EXPECT_EQ(both[i].rays.bounce, alone.rays.bounce);
+    EXPECT_EQ(both[i].rays.shadow, i == 0 ? alone.rays.shadow : 0);
+  }
+  EXPECT_NE(both[0].diffuse_radiance, both[1].diffuse_radiance);
+}
+
 TEST(LightBaking, PatchIrradianceIsBilinear) {
   PatchIrradiance grid{2, 2, {V3f(0, 0, 0), V3f(1, 0, 0), V3f(2, 0, 0), V3f(3, 0, 0)}};
   Patch patch;

@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "core/error.h"
+#include "core/image.h"
 #include "core/ply.h"
 #include "tests/support/scratch_folder.h"
 
@@ -41,7 +43,8 @@ constexpr char kTetrahedron[] =
 
 TEST_F(MeshImportTest, ReadsObjWithGroupsPolygonsAndRelativeIndices) {
   const ImportedMesh solid = ImportMesh(Write("solid.obj", kTetrahedron));
-  EXPECT_TRUE(solid.warnings.empty());
+  ASSERT_EQ(solid.warnings.size(), 1u);
+  EXPECT_NE(solid.warnings[0].find("there is no file"), std::string::npos);
   EXPECT_TRUE(ExamineTopology(solid.mesh).closed);
   EXPECT_NEAR(SignedVolume(solid.mesh), 1.0 / 6, 1e-12);
   const ImportedMesh quad = ImportMesh(
@@ -99,6 +102,78 @@ TEST_F(MeshImportTest, ReportsEdgesOfThreeTriangles) {
       "fan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"));
   ASSERT_EQ(mesh.warnings.size(), 2u);
   EXPECT_NE(mesh.warnings[1].find("no clean surface"), std::string::npos);
+}
+
+// Two materials, one with a picture of two colours, its name with a space and behind options.
+TEST_F(MeshImportTest, TakesColoursFromMaterialsAndTheirPictures) {
+  Image picture(2, 1, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  for (int c = 0; c < 3; ++c) picture.At<uint8_t>(c == 0 ? 0 : 1, 0, c) = 255;  // red, cyan
+  WriteImage(picture, scratch_.folder / "two colours.png");
+  Write("m.mtl",
+        "# library\nnewmtl plain\nKa 1 1 1\nKd 0.25 0.5 1\nmap_Ks gone.png\n"
+        "newmtl pictured\nKd 1 1 1\nmap_Kd -s 1 1 1 -clamp on two colours.png\n");
+  const ImportedMesh mesh = ImportMesh(
+      Write("m.obj",
+            "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0.25 0.5\nvt 0.75 0.5\n"
+            "usemtl plain\nf 1/1 3/1 2/1\nusemtl pictured\nf 1/1 2/2 4/1\nf 2/1 3/2 4/1\n"
+            "f 1/1 4/2 3/1\n"));
+  EXPECT_TRUE(mesh.warnings.empty());
+  ASSERT_EQ(mesh.materials.size(), 2u);
+  const std::vector<Eigen::Vector3f> colors = MaterialColors(mesh);
+  ASSERT_EQ(colors.size(), mesh.mesh.vertices.size());
+  std::set<std::vector<int>> seen;
+  for (size_t v = 0; v < colors.size(); ++v) {
+    std::vector<int> color = {mesh.material[v]};
+    for (int c = 0; c < 3; ++c) {
+      color.push_back(static_cast<int>(std::lround(100 * LinearFromSrgb(colors[v][c]))));
+    }
+    seen.insert(color);
+  }
+  EXPECT_EQ(seen, (std::set<std::vector<int>>{{0, 25, 50, 100}, {1, 100, 0, 0}, {1, 0, 100, 100}}));
+}
+
+TEST_F(MeshImportTest, APictureThatIsNoneAndAMaterialThatIsNowhereAreNamed) {
+  Write("no.png", "this is no picture");
+  Write("m.mtl", "newmtl a\nmap_Kd no.png\n");
+  const std::string body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+  const ImportedMesh bad = ImportMesh(Write("bad.obj", "mtllib m.mtl\nusemtl a\n" + body));
+  try {
+    MaterialColors(bad);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("no.png"), std::string::npos) << e.what();
+  }
+  const ImportedMesh lost = ImportMesh(Write("lost.obj", "mtllib m.mtl\nusemtl b\n" + body));
+  EXPECT_NE(lost.warnings.at(0).find("material 'b'"), std::string::npos);
+  EXPECT_EQ(lost.material, std::vector<int>(3, -1));
+  EXPECT_NEAR(LinearFromSrgb(MaterialColors(lost).at(0).x()), 0.8, 1e-5);
+}
+
+TEST_F(MeshImportTest, RefusesHostileMaterialLibraries) {
+  const std::pair<std::string, const char*> cases[] = {
+      {"Kd 1 1 1\n", "line 1: 'Kd' stands before the first newmtl"},
+      {"newmtl a\nKd 1 2\n", "line 2: the colour Kd needs three numbers"},
+      {"newmtl a\nKd one\n", "line 2: the colour Kd needs three numbers"},
+      {"newmtl a\nKd nan 1 1\n", "line 2: the colour Kd is not finite"},
+      {"newmtl a\nKd inf 1 1\n", "line 2: the colour Kd is not finite"},
+      {"newmtl a\nmap_Kd\n", "line 2: map_Kd names no file"},
+      {"newmtl a\nmap_Kd -s 1 1\n", "line 2: map_Kd names no file"},
+      {std::string("newmtl \0\n", 9), "line 1: binary content"},
+  };
+  for (const auto& [text, message] : cases) {
+    const std::filesystem::path file = Write("hostile.mtl", text);
+    try {
+      ReadObjMaterials(file);
+      ADD_FAILURE() << text;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(message), std::string::npos) << e.what();
+    }
+  }
+  EXPECT_TRUE(ReadObjMaterials(Write("empty.mtl", "")).empty());
+  EXPECT_TRUE(ReadObjMaterials(Write("cut.mtl", "newm")).empty());
+  EXPECT_EQ(ReadObjMaterials(Write("gray.mtl", "newmtl g\r\nKd 3\r\n")).at(0).diffuse,
+            Eigen::Vector3f(1, 1, 1));
+  EXPECT_THROW(ReadObjMaterials(scratch_.folder / "absent.mtl"), Error);
 }
 
 struct HostileObj {

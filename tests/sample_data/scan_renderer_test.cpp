@@ -27,7 +27,8 @@ class PlaneScanTest : public testing::Test {
 
   std::vector<Image> Render(const Sensor& sensor, uint64_t seed) const {
     return RenderScan({&scene_, nullptr, &reflectance_}, rig_, rays_, placement_.camera_from_world,
-                      PatternTable(sequence_), ScanExposure(), sensor, seed, 9);
+                      PatternTable(sequence_), ScanExposure(), sensor, seed, 9)
+        .pictures;
   }
 
   struct Truth {
@@ -115,7 +116,8 @@ TEST_F(PlaneScanTest, ExposureAmbientAndSaturationAreTheStatedFactors) {
   trouble.ambient_light = 0.1;
   const auto render = [&](const ScanTrouble& t) {
     return RenderScan({&scene_, nullptr, &reflectance_}, rig_, rays_, placement_.camera_from_world,
-                      PatternTable(sequence_, t), MakeScanExposure(t), {1e12, 0}, 1, 9);
+                      PatternTable(sequence_, t), MakeScanExposure(t), {1e12, 0}, 1, 9)
+        .pictures;
   };
   const std::vector<Image> usual = render({}), other = render(trouble);
   trouble.exposure_factor = 8;
@@ -156,7 +158,8 @@ TEST(SubsurfaceTest, BlursTheFringesOfThePaintAndNotThePlate) {
     trouble.subsurface_mm = subsurface_mm;
     const std::vector<Image> frames =
         RenderScan({&scene, &slab, &reflectance}, rig, rays, pose, PatternTable(sequence, trouble),
-                   MakeScanExposure(trouble), {1e12, 0}, 1, 9);
+                   MakeScanExposure(trouble), {1e12, 0}, 1, 9)
+            .pictures;
     double c = 0, s = 0, mean = 0;
     for (size_t f = 0; f < frames.size(); ++f) {
       const Pattern& p = sequence.patterns[f];

@@ -169,10 +169,49 @@ TEST_F(StudioTest, FewObjectPixelsSaturateAndTheDiffuseIsMidTone) {
   }
 }
 
+TEST_F(StudioTest, ReportsRaysAndAMonteCarloErrorBelowTheSensorsNoise) {
+  const StudioReport& report = run_->result.report;
+  ASSERT_EQ(report.size(), 3u);
+  EXPECT_EQ(report[0].name, "baking light");
+  EXPECT_GT(report[0].rays.bounce, 100'000);
+  EXPECT_EQ(report[1].name, "photographs");
+  EXPECT_GE(report[1].rays.camera, 3 * 160 * 120 * 4);
+  EXPECT_EQ(report[2].name, "scans");
+  EXPECT_GE(report[2].rays.camera, 2 * 64 * 48 * 16);
+  EXPECT_GT(report[2].rays.shadow, 0);
+  for (size_t i = 1; i < 3; ++i) {
+    ASSERT_TRUE(report[i].noise) << report[i].name;
+    EXPECT_GT(report[i].noise->MonteCarloRms(), 0) << report[i].name;
+  }
+  EXPECT_LT(report[1].noise->MonteCarloRms(), report[1].noise->SensorRms());
+}
+
+// At the size that tiny scans have; at 64 x 48 a pixel is as wide as the bust's features.
+TEST(Studio, ScansHaveAMonteCarloErrorBelowTheSensorsNoise) {
+  StudioOptions options;
+  options.tiny = true;
+  options.photos = 1;
+  options.test_photos = 0;
+  options.scans = 1;
+  options.placements = 0;
+  options.photo_width = 64;
+  options.photo_height = 48;
+  const NoiseTally noise = *RunStudio(options).result.report.back().noise;
+  EXPECT_GT(noise.MonteCarloRms(), 0);
+  EXPECT_LT(noise.MonteCarloRms(), noise.SensorRms());
+}
+
 TEST_F(StudioTest, IsTheSameForEveryNumberOfThreads) {
   SetThreadCount(1);
   const Shoot other = RunStudio(SmallOptions());
   SetThreadCount(0);
+  for (size_t i = 0; i < run_->result.report.size(); ++i) {
+    const StageReport &a = run_->result.report[i], &b = other.result.report[i];
+    EXPECT_EQ(a.rays.Total(), b.rays.Total());
+    if (a.noise) {
+      EXPECT_EQ(a.noise->MonteCarloRms(), b.noise->MonteCarloRms());
+    }
+  }
   ASSERT_EQ(other.pictures.size(), run_->pictures.size());
   for (const auto& [file, picture] : run_->pictures) {
     ASSERT_EQ(picture.Bytes(), other.pictures.at(file).Bytes()) << file;
@@ -196,6 +235,7 @@ TEST(Studio, WritesACaptureThatLoads) {
   const ImageLoader load = MakeImageLoader(capture);
   EXPECT_EQ(load(capture.photos[0].file).width(), 160);
   EXPECT_EQ(load(capture.scanner->placements[0].frames.back()).channels(), 1);
+  EXPECT_TRUE(std::filesystem::exists(truth.folder / "studio.json"));
 }
 
 TEST(Studio, RendersAnyMesh) {
@@ -215,6 +255,40 @@ TEST(Studio, RendersAnyMesh) {
     for (size_t i = 0; i < picture.size(); ++i) object += picture.Data<uint8_t>()[i] == 255;
   }
   EXPECT_GT(object, 1000);
+}
+
+// An OBJ file by the command: its picture is on the object.
+TEST(Studio, StandsATexturedObjOnThePlatform) {
+  const TemporaryFolder folder;
+  Image picture(2, 2, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 2; ++x) picture.At<uint8_t>(x, y, y == 0 ? 0 : 2) = 255;  // red over blue
+  }
+  WriteImage(picture, folder.path() / "map.png");
+  std::ofstream(folder.path() / "m.mtl") << "newmtl a\nmap_Kd map.png\nKd 1 1 1\n";
+  std::ofstream(folder.path() / "m.obj")
+      << "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 4\nv 1 1 1\nvt 0.5 0.25\n"
+         "vt 0.5 0.75\nf 1/1 3/1 2/1\nf 1/1 2/1 4/2\nf 2/1 3/1 4/2\nf 1/1 4/2 3/1\n";
+  StudioOptions options = SmallOptions();
+  options.mesh = (folder.path() / "m.obj").string();
+  options.scans = options.placements = 0;
+  const Shoot run = RunStudio(options);
+  double low_blue = 0, high_red = 0;
+  int low = 0, high = 0;
+  const TriangleMesh& mesh = run.result.mesh;
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (mesh.vertices[v].z() < 10) {
+      low_blue += mesh.colors[v].z() - mesh.colors[v].x();
+      ++low;
+    } else if (mesh.vertices[v].z() > 80) {
+      high_red += mesh.colors[v].x() - mesh.colors[v].z();
+      ++high;
+    }
+  }
+  ASSERT_GT(low, 10);
+  ASSERT_GT(high, 1);
+  EXPECT_GT(low_blue / low, 0.3);
+  EXPECT_GT(high_red / high, 0.3);
 }
 
 TEST(Studio, RejectsBadOptionsAndMeshes) {

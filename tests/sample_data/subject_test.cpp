@@ -85,8 +85,31 @@ TriangleMesh Tetrahedron() {
   return mesh;
 }
 
+ImportedMesh Imported(TriangleMesh mesh) {
+  ImportedMesh imported;
+  imported.mesh = std::move(mesh);
+  return imported;
+}
+
+// Texture coordinates that are a linear function of the place stay it.
+TEST(Subject, SplittingInterpolatesTextureCoordinatesAndKeepsMaterials) {
+  ImportedMesh imported = Imported(Tetrahedron());
+  for (const V3& p : imported.mesh.vertices) {
+    imported.uv.emplace_back(static_cast<float>(p.x() / 2), static_cast<float>(p.z() / 4));
+  }
+  imported.material.assign(4, 1);
+  const ImportedMesh split = SplitLongEdges(imported, 0.4);
+  ASSERT_EQ(split.uv.size(), split.mesh.vertices.size());
+  for (size_t v = 0; v < split.uv.size(); ++v) {
+    const V3& p = split.mesh.vertices[v];
+    EXPECT_NEAR(split.uv[v].x(), p.x() / 2, 1e-6);
+    EXPECT_NEAR(split.uv[v].y(), p.z() / 4, 1e-6);
+  }
+  EXPECT_EQ(split.material, std::vector<int>(split.mesh.vertices.size(), 1));
+}
+
 TEST(Subject, SplitsLongEdgesAndStaysClosed) {
-  const TriangleMesh mesh = SplitLongEdges(Tetrahedron(), 0.4);
+  const TriangleMesh mesh = SplitLongEdges(Imported(Tetrahedron()), 0.4).mesh;
   const MeshTopology topology = ExamineTopology(mesh);
   EXPECT_TRUE(topology.closed && topology.manifold);
   EXPECT_NEAR(SignedVolume(mesh), SignedVolume(Tetrahedron()), 1e-12);
@@ -98,7 +121,7 @@ TEST(Subject, SplitsLongEdgesAndStaysClosed) {
 }
 
 TEST(Subject, StandsAnyMeshOnThePlatform) {
-  const Subject subject = MakeSubject(Tetrahedron(), 100, 5, 1);
+  const Subject subject = MakeSubject(Imported(Tetrahedron()), 100, 5, 1);
   Eigen::AlignedBox3d box;
   for (const V3& p : subject.mesh.vertices) box.extend(p);
   EXPECT_NEAR(box.min().z(), 0, 1e-9);
@@ -111,10 +134,10 @@ TEST(Subject, TakesAMeshWithEverythingThatAMeshMayHave) {
   TriangleMesh mesh = Tetrahedron();
   mesh.confidence.assign(mesh.vertices.size(), 0.5f);
   mesh.colors.assign(mesh.vertices.size(), Eigen::Vector3f(0.2f, 0.4f, 0.6f));
-  const TriangleMesh split = SplitLongEdges(mesh, 0.4);
+  const TriangleMesh split = SplitLongEdges(Imported(mesh), 0.4).mesh;
   EXPECT_EQ(split.confidence, std::vector<float>(split.vertices.size(), 0.5f));
   EXPECT_EQ(split.colors.size(), split.vertices.size());
-  const Subject subject = MakeSubject(mesh, 100, 5, 1);
+  const Subject subject = MakeSubject(Imported(mesh), 100, 5, 1);
   EXPECT_TRUE(subject.mesh.confidence.empty());
   EXPECT_EQ(subject.mesh.colors.size(), subject.mesh.vertices.size());
 }
@@ -122,12 +145,12 @@ TEST(Subject, TakesAMeshWithEverythingThatAMeshMayHave) {
 TEST(Subject, RejectsFlatAndHostileMeshes) {
   TriangleMesh flat = Tetrahedron();
   flat.vertices[3].z() = 0;
-  EXPECT_THROW(MakeSubject(flat, 120, 1, 1), Error);
-  EXPECT_THROW(MakeSubject(TriangleMesh(), 120, 1, 1), Error);
+  EXPECT_THROW(MakeSubject(Imported(flat), 120, 1, 1), Error);
+  EXPECT_THROW(MakeSubject(ImportedMesh(), 120, 1, 1), Error);
   TriangleMesh broken = Tetrahedron();
   broken.vertices[0].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(MakeSubject(broken, 120, 1, 1), Error);
-  EXPECT_THROW(MakeSubject(Tetrahedron(), 120, 0.02, 1), Error);
+  EXPECT_THROW(MakeSubject(Imported(broken), 120, 1, 1), Error);
+  EXPECT_THROW(MakeSubject(Imported(Tetrahedron()), 120, 0.02, 1), Error);
 }
 
 }  // namespace

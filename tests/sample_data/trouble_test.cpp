@@ -52,8 +52,8 @@ StudioOptions EverythingWrong() {
   t.photo.half_frame_share = 0.25;
   t.photo.occluder = OccluderKind::kHand;
   t.photo.format = PhotoFormat::kPng16;
-  t.sensor = {8000, 12};
-  t.platform = {0.1, 0.5, 1, 1, 0.2};
+  t.sensor = {SensorNoise::kAuto, 8000, 12};
+  t.platform = {0.1, 0.5, 1, 1, 0.2, 0.1};
   t.scan = {1.8, 0.8, 0.04, 1.1, 5, 0.3};
   return options;
 }
@@ -81,12 +81,85 @@ TEST(Trouble, EveryKnobIsValidatedAndNamesAreDistinct) {
   EXPECT_NO_THROW(ValidateOptions(AnyOptions(options)));
   // Names that clash would overwrite each other: as many keys as there are options.
   Trouble trouble;
-  EXPECT_EQ(OptionsToJson(AnyOptions(trouble)).size(), 12u + 2 + 5 + 6);
+  EXPECT_EQ(OptionsToJson(AnyOptions(trouble)).size(), 12u + 3 + 6 + 6);
   options.trouble.scan.projector_gamma = 0;
   EXPECT_THROW(RunStudio(options), Error);
   options = SmallOptions();
   options.trouble.photo.occluded_share = 1.1;
   EXPECT_THROW(RunStudio(options), Error);
+}
+
+TEST(MakeSensor, IsSilentAtReferenceQualityUnlessAskedForNoise) {
+  const auto silent = [](const StudioOptions& options) {
+    return NoiseVariance(MakeSensor(options), 0.5f) == 0;
+  };
+  StudioOptions options;
+  EXPECT_FALSE(silent(options));
+  options.trouble.sensor.noise = SensorNoise::kOff;
+  EXPECT_TRUE(silent(options));
+  options = {};
+  options.quality = RenderQuality::kReference;
+  EXPECT_TRUE(silent(options));
+  options.trouble.sensor.noise = SensorNoise::kOn;
+  EXPECT_FALSE(silent(options));
+  EXPECT_EQ(MakeSensor(options).full_well, 20000);
+  options = {};
+  options.quality = RenderQuality::kReference;
+  options.trouble.sensor.read_noise_electrons = 6;
+  EXPECT_FALSE(silent(options));
+}
+
+// Without noise a photograph of a test view is the clean one, and a scan repeats with any seed.
+TEST(MakeSensor, WithoutNoisePicturesAreClean) {
+  StudioOptions options = SmallOptions();
+  options.trouble.sensor.noise = SensorNoise::kOff;
+  const Shoot run = RunStudio(options);
+  int compared = 0;
+  for (const Photo& photo : run.result.truth.photos) {
+    if (photo.split != PhotoSplit::kTest) continue;
+    EXPECT_EQ(run.pictures.at("ground_truth/" + photo.file).Bytes(),
+              run.pictures.at("photos/" + photo.id + ".png").Bytes());
+    ++compared;
+  }
+  EXPECT_EQ(compared, 2);
+  for (const StageReport& stage : run.result.report) {
+    if (stage.noise) {
+      EXPECT_EQ(stage.noise->SensorRms(), 0);
+    }
+  }
+}
+
+// Frames of a scan on a wobbling platform show it in different places: the white frame of a scan
+// that rests, and single frames off by about the wobble.
+TEST(FrameWobble, MovesEachFrameByItself) {
+  StudioOptions options = SmallOptions();
+  options.photos = 1;
+  options.test_photos = 0;
+  options.placements = 0;
+  options.scans = 1;
+  options.scan_width = 96;
+  options.scan_height = 72;
+  options.trouble.sensor.noise = SensorNoise::kOff;
+  const Shoot still = RunStudio(options);
+  options.trouble.platform.frame_wobble_mm = 2;
+  const Shoot wobbling = RunStudio(options);
+  const std::vector<std::string>& frames = still.result.capture.scanner->scans[0].frames;
+  const auto changed = [&](const std::string& file) {
+    const Image &a = still.pictures.at(file), &b = wobbling.pictures.at(file);
+    int pixels = 0;
+    for (size_t i = 0; i < a.size(); ++i) {
+      pixels += std::abs(a.Data<uint8_t>()[i] - b.Data<uint8_t>()[i]) > 12;
+    }
+    return pixels;
+  };
+  int moved = 0;
+  for (const std::string& file : frames) {
+    moved += changed(file) > 100;
+    EXPECT_LT(changed(file), 96 * 72 / 2);
+  }
+  EXPECT_GT(moved, static_cast<int>(frames.size()) / 2);
+  EXPECT_EQ(still.result.truth.scanner->scans[0].camera_from_world->translation,
+            wobbling.result.truth.scanner->scans[0].camera_from_world->translation);
 }
 
 TEST(ScaleDistortion, ScalesEveryTermAndRefusesALensThatFolds) {
