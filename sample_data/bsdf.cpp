@@ -36,8 +36,8 @@ BsdfValue EvaluateBsdf(const Material& material, const V3f& o, const V3f& i) {
 }
 
 BsdfSample SampleBsdf(const Material& material, const V3f& o, float u_lobe, float u1, float u2) {
-  const LaneSample<float> drawn = SampleLanes(LayerTablesFor(material.kind), ToLane(material),
-                                              ToLane(o), u_lobe, u1, u2);
+  const LaneSample<float> drawn =
+      SampleLanes(LayerTablesFor(material.kind), ToLane(material), ToLane(o), u_lobe, u1, u2);
   BsdfSample sample;
   sample.weight = FromLane(drawn.weight);
   if (sample.weight.isZero(0)) return sample;

@@ -94,8 +94,8 @@ EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& m
           EnvironmentDirection({static_cast<float>(x), static_cast<float>(y)}, width, height);
       const V3f pixel = PixelOf(*map.image, x, y);
       pixels_.insert(pixels_.end(), pixel.data(), pixel.data() + 3);
-      luminance.push_back(
-          Luminance(map.gain * pixel + (tables_.room_is_black ? V3f(0, 0, 0) : room.Environment(d))));
+      luminance.push_back(Luminance(map.gain * pixel +
+                                    (tables_.room_is_black ? V3f(0, 0, 0) : room.Environment(d))));
     }
   }
   tables_.width = width;

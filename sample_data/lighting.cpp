@@ -17,7 +17,8 @@ Eigen::Vector3f Lighting::Environment(const Eigen::Vector3f& direction) const {
     room.wall[c] = wall[c];
     room.ground[c] = ground[c];
   }
-  const Vec<float> radiance = RoomRadiance(room, Vec<float>{direction.x(), direction.y(), direction.z()});
+  const Vec<float> radiance =
+      RoomRadiance(room, Vec<float>{direction.x(), direction.y(), direction.z()});
   return {radiance.x, radiance.y, radiance.z};
 }
 

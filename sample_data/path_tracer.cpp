@@ -165,6 +165,7 @@ class Batch {
     fetch.scene = &scene_.tables();
     fetch.wave = &wave_;
     fetch.begin = begin;
+    fetch.bounces = tracer_.bounces();
     fetch.geometry = reinterpret_cast<const int32_t*>(hit.geomID);
     fetch.triangle = reinterpret_cast<const int32_t*>(hit.primID);
     fetch.u = hit.u;

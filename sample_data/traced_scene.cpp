@@ -121,8 +121,8 @@ void TracedScene::AddSet() {
         patch.origin + patch.height * patch.v};
     for (const auto& corner : corners) {
       const V3f p = corner.cast<float>();
-      vertices_.insert(vertices_.end(), {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), 0, 0, 0, 0, 0, 0,
-                                         0, 0, 0, 0});
+      vertices_.insert(vertices_.end(),
+                       {p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
     }
     for (const int corner : {0, 1, 2, 0, 2, 3}) triangles_.push_back(first + corner);
   }
@@ -207,8 +207,8 @@ SurfacePoint TracedScene::Surface(const RayPacket& packet, int lane, const V3f& 
   const int patch = met.triangle / 2;
   Material material;
   material.kind = MaterialKind::kLambert;
-  material.diffuse = V3f::Constant(
-      reflectance_->Albedo(patches_[patch].material, FromLane(found.position)));
+  material.diffuse =
+      V3f::Constant(reflectance_->Albedo(patches_[patch].material, FromLane(found.position)));
   SurfacePoint surface = TurnedPoint(found, material, -direction);
   surface.patch = patch;
   return surface;
@@ -236,8 +236,7 @@ void TracedScene::LookUpColors(const RayPacket& packet, int lanes, SurfacePack& 
 }
 
 V3f TracedScene::Departure(const SurfacePoint& surface, const V3f& direction) {
-  return FromLane(
-      DepartFrom(ToLane(surface.position), ToLane(surface.facet), ToLane(direction)));
+  return FromLane(DepartFrom(ToLane(surface.position), ToLane(surface.facet), ToLane(direction)));
 }
 
 }  // namespace lfm

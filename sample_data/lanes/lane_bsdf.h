@@ -139,7 +139,8 @@ LFM_LANE LaneBsdf<F> EvaluateLambert(const LaneMaterial<F>& m, const Vec<F>& i) 
 }
 
 template <typename F>
-LFM_LANE_CALL LaneBsdf<F> EvaluatePhong(const LaneMaterial<F>& m, const Vec<F>& o, const Vec<F>& i) {
+LFM_LANE_CALL LaneBsdf<F> EvaluatePhong(const LaneMaterial<F>& m, const Vec<F>& o,
+                                        const Vec<F>& i) {
   const F lobe = PowerOfCosine(Mirrored(o), i, m.exponent) / (2.0f * kLanePi);
   const F share = PhongShare(m), scale = (m.exponent + 2.0f) * lobe;
   const Vec<F> f = Splat<F>(kLaneInversePi) * m.diffuse + scale * m.specular;
@@ -148,7 +149,7 @@ LFM_LANE_CALL LaneBsdf<F> EvaluatePhong(const LaneMaterial<F>& m, const Vec<F>& 
 
 template <typename F>
 LFM_LANE_CALL LaneBsdf<F> EvaluateConductor(const LaneMaterial<F>& m, const Vec<F>& o,
-                                       const Vec<F>& i) {
+                                            const Vec<F>& i) {
   const GgxReflected<F> r = ReflectGgx(o, i, AlphaU(m), AlphaV(m));
   const MaskOf<F> rough = !SmoothCoat(m);
   return {Select(rough, r.value * i.z, Splat<F>(0)) * SchlickColor(m.specular, r.cos_h),
@@ -156,7 +157,7 @@ LFM_LANE_CALL LaneBsdf<F> EvaluateConductor(const LaneMaterial<F>& m, const Vec<
 }
 
 template <typename F>
-LFM_LANE_CALL LaneBsdf<F> EvaluatePaint(const LaneMaterial<F>& m, const Vec<F>& o, const Vec<F>& i) {
+LFM_LANE LaneBsdf<F> EvaluatePaint(const LaneMaterial<F>& m, const Vec<F>& o, const Vec<F>& i) {
   const F share = PaintShare(m, o), alpha = AlphaU(m);
   const GgxReflected<F> r = ReflectGgx(o, i, alpha, alpha);
   const Vec<F> f =
@@ -166,13 +167,13 @@ LFM_LANE_CALL LaneBsdf<F> EvaluatePaint(const LaneMaterial<F>& m, const Vec<F>& 
 
 template <typename F>
 LFM_LANE_CALL LaneBsdf<F> EvaluatePlastic(const LayerTables& tables, const LaneMaterial<F>& m,
-                                     const Vec<F>& o, const Vec<F>& i) {
+                                          const Vec<F>& o, const Vec<F>& i) {
   const F eo = CoatAlbedo(tables, m, o.z), share = PlasticShare(m, eo);
-  const F base = (1.0f - eo) * (1.0f - CoatAlbedo(tables, m, i.z)) /
-                 (kLanePi * (1.0f - CoatMean(tables, m)));
+  const F base =
+      (1.0f - eo) * (1.0f - CoatAlbedo(tables, m, i.z)) / (kLanePi * (1.0f - CoatMean(tables, m)));
   const GgxReflected<F> r = ReflectGgx(o, i, AlphaU(m), AlphaV(m));
-  const F coat = Select(SmoothCoat(m), Splat<F>(0),
-                        i.z * r.value * DielectricFresnel(r.cos_h, m.ior));
+  const F coat =
+      Select(SmoothCoat(m), Splat<F>(0), i.z * r.value * DielectricFresnel(r.cos_h, m.ior));
   return {i.z * base * m.diffuse + Gray(coat),
           (1.0f - share) * i.z * kLaneInversePi +
               Select(SmoothCoat(m), Splat<F>(0), share * r.density)};
@@ -180,7 +181,7 @@ LFM_LANE_CALL LaneBsdf<F> EvaluatePlastic(const LayerTables& tables, const LaneM
 
 template <typename F>
 LFM_LANE_CALL LaneBsdf<F> EvaluateFuzz(const LayerTables& tables, const LaneMaterial<F>& m,
-                                  const Vec<F>& o, const Vec<F>& i) {
+                                       const Vec<F>& o, const Vec<F>& i) {
   const F color = LargestOf(m.specular);
   const F eo = FuzzAlbedoAt(tables, m.alpha_u, o.z), share = FuzzShare(m, eo);
   const F left = 1.0f - color * FuzzAlbedoMean(tables, m.alpha_u);

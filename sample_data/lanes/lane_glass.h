@@ -24,8 +24,8 @@ LFM_LANE F EtaFrom(const LaneMaterial<F>& m, MaskOf<F> inside) {
 }
 
 template <typename F>
-LFM_LANE_CALL LaneBsdf<F> EvaluateGlassAbove(const LaneMaterial<F>& m, const F& eta, const Vec<F>& o,
-                                        const Vec<F>& i) {
+LFM_LANE_CALL LaneBsdf<F> EvaluateGlassAbove(const LaneMaterial<F>& m, const F& eta,
+                                             const Vec<F>& o, const Vec<F>& i) {
   const F alpha = AlphaU(m), zero = Splat<F>(0);
   const GgxReflected<F> r = ReflectGgx(o, i, alpha, alpha);
   const F fresnel = DielectricFresnel(r.cos_h, eta);
@@ -49,15 +49,16 @@ template <typename F>
 LFM_LANE LaneBsdf<F> EvaluateGlass(const LaneMaterial<F>& m, const Vec<F>& o, const Vec<F>& i) {
   const MaskOf<F> inside = o.z < 0.0f;
   LaneBsdf<F> result;
-  Blend<F>((!GlassIsClear(m)) & (o.z != 0.0f),
-           EvaluateGlassAbove(m, EtaFrom<F>(m, inside), Flipped<F>(o, inside), Flipped<F>(i, inside)),
-           result);
+  Blend<F>(
+      (!GlassIsClear(m)) & (o.z != 0.0f),
+      EvaluateGlassAbove(m, EtaFrom<F>(m, inside), Flipped<F>(o, inside), Flipped<F>(i, inside)),
+      result);
   return result;
 }
 
 template <typename F>
-LFM_LANE_CALL LaneSample<F> SampleGlass(const LaneMaterial<F>& m, const Vec<F>& o,
-                                        const F& u_lobe, const F& u1, const F& u2) {
+LFM_LANE_CALL LaneSample<F> SampleGlass(const LaneMaterial<F>& m, const Vec<F>& o, const F& u_lobe,
+                                        const F& u1, const F& u2) {
   const MaskOf<F> inside = o.z < 0.0f, clear = GlassIsClear(m);
   const F eta = EtaFrom<F>(m, inside), zero = Splat<F>(0);
   const Vec<F> above = Flipped<F>(o, inside);

@@ -16,10 +16,17 @@ struct LaneLamp {
 template <typename F>
 LFM_LANE LaneLamp<F> FetchLamp(const LightTables& lights, IntOf<F> index) {
   const float* from = lights.lamp;
-  const Row<F> r = GatherRow(from, index * kLampFloats), s = GatherRow(from, index * kLampFloats + 8),
+  const Row<F> r = GatherRow(from, index * kLampFloats),
+               s = GatherRow(from, index * kLampFloats + 8),
                t = GatherRow(from, index * kLampFloats + 16);
-  return {{r.at[0], r.at[1], r.at[2]}, {r.at[3], r.at[4], r.at[5]}, {r.at[6], r.at[7], s.at[0]},
-          {s.at[1], s.at[2], s.at[3]}, {s.at[4], s.at[5], s.at[6]}, s.at[7], t.at[0], t.at[1]};
+  return {{r.at[0], r.at[1], r.at[2]},
+          {r.at[3], r.at[4], r.at[5]},
+          {r.at[6], r.at[7], s.at[0]},
+          {s.at[1], s.at[2], s.at[3]},
+          {s.at[4], s.at[5], s.at[6]},
+          s.at[7],
+          t.at[0],
+          t.at[1]};
 }
 template <typename F>
 LFM_LANE LaneLamp<F> TheLamp(const LightTables& lights, int index) {
@@ -38,8 +45,8 @@ struct LampSample {
 };
 template <typename F>
 LFM_LANE LampSample<F> DrawLamp(const LaneLamp<F>& lamp, const Vec<F>& point, F u1, F u2) {
-  const Vec<F> d = lamp.center + (2.0f * u1 - 1.0f) * lamp.half_u +
-                   (2.0f * u2 - 1.0f) * lamp.half_v - point;
+  const Vec<F> d =
+      lamp.center + (2.0f * u1 - 1.0f) * lamp.half_u + (2.0f * u2 - 1.0f) * lamp.half_v - point;
   const F r2 = Dot(d, d), r = Sqrt(r2), facing = -Dot(lamp.normal, d);
   const MaskOf<F> front = facing > 0.0f;
   const F area = Select(front, facing * lamp.area, Splat<F>(1));
@@ -51,7 +58,8 @@ LFM_LANE F MeetLamp(const LaneLamp<F>& lamp, const Vec<F>& origin, const Vec<F>&
   const F facing = -Dot(lamp.normal, direction), zero = Splat<F>(0);
   const Vec<F> to_center = lamp.center - origin;
   const MaskOf<F> front = facing > 0.0f;
-  const F t = Select(front, -Dot(lamp.normal, to_center) / Select(front, facing, Splat<F>(1)), zero);
+  const F t =
+      Select(front, -Dot(lamp.normal, to_center) / Select(front, facing, Splat<F>(1)), zero);
   const Vec<F> in_plane = t * direction - to_center;
   const MaskOf<F> inside = (Abs(Dot(in_plane, lamp.half_u)) * lamp.inverse_u2 <= 1.0f) &
                            (Abs(Dot(in_plane, lamp.half_v)) * lamp.inverse_v2 <= 1.0f);
@@ -110,8 +118,8 @@ LFM_LANE Vec<F> EnvironmentRadiance(const LightTables& lights, const Vec<F>& dir
   const MapPlace<F> place = PlaceOnMap(lights, direction);
   const F x0 = Floor(place.x), y0 = Floor(place.y), fx = place.x - x0, fy = place.y - y0;
   const IntOf<F> column = ToInt(x0);  // -1 to width - 1
-  const IntOf<F> left = Select(column < 0, SplatInt<IntOf<F>>(lights.width - 1),
-                               HeldIndex(column, lights.width));
+  const IntOf<F> left =
+      Select(column < 0, SplatInt<IntOf<F>>(lights.width - 1), HeldIndex(column, lights.width));
   const IntOf<F> right = Select(left > lights.width - 2, SplatInt<IntOf<F>>(0), left + 1);
   const IntOf<F> top = HeldIndex(ToInt(y0), lights.height) * lights.width;
   const IntOf<F> bottom = HeldIndex(ToInt(y0) + 1, lights.height) * lights.width;
@@ -157,8 +165,7 @@ struct EnvironmentSample {
 /// A direction drawn from the map, which must be there; uniform in solid angle inside a pixel.
 template <typename F>
 LFM_LANE EnvironmentSample<F> DrawEnvironment(const LightTables& lights, F u1, F u2) {
-  const Interval<F> row =
-      ChooseInterval<F>(lights.rows, SplatInt<IntOf<F>>(0), lights.height, u1);
+  const Interval<F> row = ChooseInterval<F>(lights.rows, SplatInt<IntOf<F>>(0), lights.height, u1);
   const Interval<F> column =
       ChooseInterval<F>(lights.columns, row.index * (lights.width + 1), lights.width, u2);
   const float turn = 0.5f / static_cast<float>(lights.height);  // of polar angle, a row

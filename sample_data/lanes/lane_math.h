@@ -77,11 +77,10 @@ template <typename F>
 LFM_LANE void SinCosTurns(F turns, F& sine, F& cosine) {
   const F quarters = turns * 4.0f, q = Floor(quarters + 0.5f);
   const F x = (quarters - q) * 1.57079632679489662f, z = x * x;
-  const F s =
-      ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
-  const F c = ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) *
-                  z * z -
-              0.5f * z + 1.0f;
+  const F s = ((-1.9515295891e-4f * z + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * x + x;
+  const F c =
+      ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z -
+      0.5f * z + 1.0f;
   const auto k = ToInt(q);
   const auto swapped = (k & 1) != 0;
   const F a = Select(swapped, c, s), b = Select(swapped, s, c);

@@ -23,8 +23,7 @@ struct NumberPair {
 template <typename F>
 LFM_LANE NumberPair<F> RandomLanes(ULongOf<F> set, UIntOf<F> index, uint32_t dimension) {
   using U = UIntOf<F>;
-  const ULongOf<F> shared =
-      ScrambleLanes(set + 0xd1342543de82ef95ull * (uint64_t{dimension} + 1));
+  const ULongOf<F> shared = ScrambleLanes(set + 0xd1342543de82ef95ull * (uint64_t{dimension} + 1));
   const U bits = LowBits(shared);
   const auto flip = [&](U bit) -> U { return (bits >> bit) & 1u; };
   const auto same_flip = [&](int bit) -> U { return (bits >> bit) & 1u; };

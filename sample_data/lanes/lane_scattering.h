@@ -10,7 +10,7 @@ inline namespace LFM_LANE_SET {
 /// EvaluateBsdf of sample_data/bsdf.h, where every lane may have another kind of material.
 template <typename F>
 LFM_LANE_CALL LaneBsdf<F> EvaluateLanes(const LayerTables& tables, const LaneMaterial<F>& m,
-                                   const Vec<F>& o, const Vec<F>& i) {
+                                        const Vec<F>& o, const Vec<F>& i) {
   LaneBsdf<F> result;
   const MaskOf<F> above = (o.z > 0.0f) & (i.z > 0.0f);
   const auto is = [&](int32_t kind) -> MaskOf<F> { return above & (m.kind == kind); };
@@ -119,8 +119,7 @@ LFM_LANE LaneSample<F> SampleLanes(const LayerTables& tables, const LaneMaterial
 /// True where a material has delta lobes only.
 template <typename F>
 LFM_LANE MaskOf<F> IsDeltaLane(const LaneMaterial<F>& m) {
-  return ((m.kind == kLaneGlass) & GlassIsClear(m)) |
-         ((m.kind == kLaneConductor) & SmoothCoat(m));
+  return ((m.kind == kLaneGlass) & GlassIsClear(m)) | ((m.kind == kLaneConductor) & SmoothCoat(m));
 }
 
 }  // namespace LFM_LANE_SET

@@ -53,11 +53,9 @@ LFM_LANE Vec<F> AlongCoordinates(const Row<F>& a, const Row<F>& b, const Row<F>&
 }
 
 template <typename F>
-LFM_LANE LaneMaterial<F> FetchMaterial(const SceneTables& scene, IntOf<F> geometry) {
-  const Row<F> first = GatherRow(scene.geometry_floats, geometry * kGeometryFloats);
-  const Row<F> second = GatherRow(scene.geometry_floats, geometry * kGeometryFloats + 8);
+LFM_LANE LaneMaterial<F> MaterialOf(IntOf<F> kind, const Row<F>& first, const Row<F>& second) {
   LaneMaterial<F> m;
-  m.kind = Gather(scene.geometry_ints, geometry * kGeometryInts + 1);
+  m.kind = kind;
   m.diffuse = {first.at[0], first.at[1], first.at[2]};
   m.specular = {first.at[3], first.at[4], first.at[5]};
   m.exponent = first.at[6];
@@ -66,6 +64,26 @@ LFM_LANE LaneMaterial<F> FetchMaterial(const SceneTables& scene, IntOf<F> geomet
   m.ior = second.at[1];
   m.absorption = {second.at[2], second.at[3], second.at[4]};
   return m;
+}
+
+template <typename F>
+LFM_LANE LaneMaterial<F> FetchMaterial(const SceneTables& scene, IntOf<F> geometry) {
+  const int32_t one = FirstLane(geometry);
+  if (All(geometry == one)) {
+    const auto row = [&](int from) {
+      Row<F> r;
+      for (int i = 0; i < 8; ++i) {
+        r.at[i] = Splat<F>(scene.geometry_floats[one * kGeometryFloats + from + i]);
+      }
+      return r;
+    };
+    return MaterialOf<F>(SplatInt<IntOf<F>>(scene.geometry_ints[one * kGeometryInts + 1]), row(0),
+                         row(8));
+  }
+  const IntOf<F> at = geometry * kGeometryFloats;
+  return MaterialOf<F>(Gather(scene.geometry_ints, geometry * kGeometryInts + 1),
+                       GatherRow(scene.geometry_floats, at),
+                       GatherRow(scene.geometry_floats, at + 8));
 }
 
 /// The points that rays met. What is kLookedUp keeps its geometry's plain material.
@@ -97,10 +115,8 @@ LFM_LANE LaneSurface<F> FetchSurface(const SceneTables& scene, const LaneHit<F>&
                  rc = GatherRow(scene.vertices, vc + 8);
     const auto blend = [&](int i) { return w * ra.at[i] + hit.u * rb.at[i] + hit.v * rc.at[i]; };
     const F alpha = blend(6);
-    s.material.diffuse =
-        Select<F>(painted, {blend(0), blend(1), blend(2)}, s.material.diffuse);
-    s.material.specular =
-        Select<F>(painted, {blend(3), blend(4), blend(5)}, s.material.specular);
+    s.material.diffuse = Select<F>(painted, {blend(0), blend(1), blend(2)}, s.material.diffuse);
+    s.material.specular = Select<F>(painted, {blend(3), blend(4), blend(5)}, s.material.specular);
     s.material.alpha_u = Select(painted, alpha, s.material.alpha_u);
     s.material.alpha_v = Select(painted, alpha, s.material.alpha_v);
   }

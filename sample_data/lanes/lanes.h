@@ -120,6 +120,8 @@ LFM_LANE Floats Sqrt(Floats x) {
 #endif
 }
 
+LFM_LANE int32_t FirstLane(int32_t x) { return x; }
+LFM_LANE int32_t FirstLane(Ints x) { return x[0]; }
 LFM_LANE int32_t BitsOf(float x) { return __builtin_bit_cast(int32_t, x); }
 LFM_LANE Ints BitsOf(Floats x) { return reinterpret_cast<Ints>(x); }
 LFM_LANE float FromBits(int32_t x) { return __builtin_bit_cast(float, x); }
@@ -223,8 +225,8 @@ LFM_LANE void StoreLanes(T* to, V values) {
   std::memcpy(to, &values, sizeof values);
 }
 
-/// Writes the lanes of a mask one after the other. kLaneCount values may be written at `to`, whatever
-/// the mask: what lies beyond the counted ones is rubbish.
+/// Writes the lanes of a mask one after the other. kLaneCount values may be written at `to`,
+/// whatever the mask: what lies beyond the counted ones is rubbish.
 class LanePacker {
  public:
   LFM_LANE explicit LanePacker(Ints mask) : bits_(MaskBits(mask)) {

@@ -53,7 +53,8 @@ LFM_LANE F DielectricAlbedoAt(const LayerTables& tables, F ior, F alpha, F cosin
     return AlongTable<F>(tables.dielectric, (row + further) * kLayerCosines + c.index, c.t);
   };
   const F low = along(0), high = along(kLayerAlphas);
-  const F left = low + a.t * (along(1) - low), right = high + a.t * (along(kLayerAlphas + 1) - high);
+  const F left = low + a.t * (along(1) - low),
+          right = high + a.t * (along(kLayerAlphas + 1) - high);
   return left + n.t * (right - left);
 }
 template <typename F>

@@ -14,7 +14,7 @@ namespace lfm {
 /// Paths side by side: arrays of as many values as paths, with room for sixteen more.
 struct PathWave {
   float* origin[3];
-  float* direction[3];   ///< unit
+  float* direction[3];  ///< unit
   float* throughput[3];
   float* absorption[3];  ///< 1/mm, of the glass that the path is in
   float* density;        ///< with which the ray was drawn, 1/sr
@@ -69,6 +69,7 @@ struct FetchJob {
   const SceneTables* scene = nullptr;
   const PathWave* wave = nullptr;
   int begin = 0;
+  int bounces = 0;  ///< that count; beyond, only what passes light on needs its colours
   const int32_t* geometry = nullptr;
   const int32_t* triangle = nullptr;
   const float* u = nullptr;

@@ -124,9 +124,9 @@ class PathShader {
 
   // Calls take(mask, light, distance) for every emitter that rays of the mask meet before `limit`.
   template <typename Take>
-  LFM_LANE void ForEachEmitter(Ints mask, const V& origin, const V& direction,
-                               const V& throughput, F limit, Ints delta, F density,
-                               float lamp_share, const Take& take) const {
+  LFM_LANE void ForEachEmitter(Ints mask, const V& origin, const V& direction, const V& throughput,
+                               F limit, Ints delta, F density, float lamp_share,
+                               const Take& take) const {
     for (int l = 0; l < lights_.lamps; ++l) {
       const LaneLamp<F> lamp = TheLamp<F>(lights_, l);
       const F t = MeetLamp(lamp, origin, direction);
@@ -143,8 +143,7 @@ class PathShader {
       const F other = EnvironmentDensity(lights_, direction);
       weight = Select(delta, weight, PowerWeight(density, other));
     }
-    take(free, weight * Times(throughput, EnvironmentRadiance(lights_, direction)),
-         Splat<F>(kFar));
+    take(free, weight * Times(throughput, EnvironmentRadiance(lights_, direction)), Splat<F>(kFar));
   }
 
   // What the rays that arrive here bring.
@@ -222,8 +221,7 @@ class PathShader {
           sample.density, EnvironmentRadiance(lights_, sample.direction));
     }
     for (int l = 0; l < (first_ ? parallel : parallel > 0 ? 1 : 0); ++l) {
-      const Ints row =
-          (first_ ? SplatInt<Ints>(l) : Chosen(choice, parallel)) * kParallelFloats;
+      const Ints row = (first_ ? SplatInt<Ints>(l) : Chosen(choice, parallel)) * kParallelFloats;
       const V direction = GatherVec<F>(lights_.directional, row);
       const V irradiance = GatherVec<F>(lights_.directional, row + 3);
       const float share = first_ ? 1 : static_cast<float>(parallel);
@@ -272,8 +270,8 @@ class PathShader {
         SampleLanes(scene_.layers, surface.material, o, lobe.first, u.first, u.second);
     const V direction = UnitVector(frame.World(sample.direction));
     const Ints glass = surface.material.kind == kLaneGlass;
-    Ints going = alive & !IsZero(sample.weight) &
-                 SameSide(glass, frame, sample.direction, direction);
+    Ints going =
+        alive & !IsZero(sample.weight) & SameSide(glass, frame, sample.direction, direction);
     V throughput = Times(throughput_, sample.weight);
     const Ints bounces = bounces_ + 1 + uncounted;  // uncounted is -1 where it holds
     const F ratio = index_ratio2_ * sample.index_ratio2;
@@ -282,8 +280,7 @@ class PathShader {
     if (!job_.limits.specular_paths) {
       // Only emitters count any more: no need to know what is hit.
       const Ints last = going & ending;
-      const float share =
-          first_ || lights_.lamps == 0 ? 1 : 1 / static_cast<float>(lights_.lamps);
+      const float share = first_ || lights_.lamps == 0 ? 1 : 1 / static_cast<float>(lights_.lamps);
       if (Any(last)) {
         ForEachEmitter(last, origin, direction, throughput, Splat<F>(kFar), sample.delta,
                        sample.density, share, [&](Ints met, const V& light, F distance) {
@@ -299,10 +296,11 @@ class PathShader {
       throughput = (1.0f / Select(going, survival, Splat<F>(1))) * throughput;
     }
     if (!Any(going)) return;
-    const Ints absorbing = glass & (sample.direction.z < 0.0f) & !IsZero(surface.material.absorption);
+    const Ints absorbing =
+        glass & (sample.direction.z < 0.0f) & !IsZero(surface.material.absorption);
     const Ints inside = Select(glass, absorbing, (state_ & kInside) != 0);
-    const V absorption = Select<F>(glass, surface.material.absorption,
-                                   LoadVec(job_.wave->absorption, at_));
+    const V absorption =
+        Select<F>(glass, surface.material.absorption, LoadVec(job_.wave->absorption, at_));
     const Ints state = (sample.delta & kDelta) | (inside & kInside);
     Continue(going, origin, direction, throughput, absorption, sample.density, ratio, bounces,
              state);
@@ -363,7 +361,10 @@ LFM_LANE void FetchPart(const FetchJob& job, int part, SurfacePack& surface) {
   StoreLanes(surface.alpha_v + part, s.material.alpha_v);
   StoreLanes(surface.ior + part, s.material.ior);
   StoreLanes(surface.kind + part, s.material.kind);
-  StoreLanes(surface.flags + part, Select(met, s.flags, zero));
+  // No colour is looked up where a path ends unseen.
+  const Ints passing = (s.material.kind == kLaneGlass) | (s.material.kind == kLaneConductor);
+  const Ints seen = passing | (LoadLanes(job.wave->bounces + job.begin + part) <= job.bounces);
+  StoreLanes(surface.flags + part, Select(met & seen, s.flags, zero));
   StoreLanes(surface.distance + part, Select(met, hit.distance, Splat<F>(kFar)));
 }
 

@@ -295,8 +295,8 @@ TEST(Bsdf, IsotropicGgxAgreesWithTheStudiosInDoublePrecision) {
     EXPECT_NEAR(GgxVisible(ToLane(o), a, a), GgxMasking(o.z(), alpha), 1e-5);
     const double u1 = random.Uniform(), u2 = random.Uniform();
     const Eigen::Vector3d h = SampleVisibleNormal(o.cast<double>(), alpha, u1, u2);
-    const V3f mine = FromLane(
-        SampleGgxNormal(ToLane(o), a, a, static_cast<float>(u1), static_cast<float>(u2)));
+    const V3f mine =
+        FromLane(SampleGgxNormal(ToLane(o), a, a, static_cast<float>(u1), static_cast<float>(u2)));
     EXPECT_LT((mine.cast<double>() - h).norm(), 2e-3);
   }
 }

@@ -79,7 +79,8 @@ TEST(LaneMath, LanesHaveTheBitsOfSingleNumbers) {
     for (int lane = 0; lane < kLaneCount; ++lane) {
       x[lane] = static_cast<float>(random.Uniform(0.001, 1));
     }
-    const Floats e = Exp(x), l = Log(x), p = Pow(x, 0.37f), a = Atan2(x, 0.5f - x), f = Floor(x * 9);
+    const Floats e = Exp(x), l = Log(x), p = Pow(x, 0.37f), a = Atan2(x, 0.5f - x),
+                 f = Floor(x * 9);
     Floats s, c;
     SinCosTurns(x, s, c);
     for (int lane = 0; lane < kLaneCount; ++lane) {
