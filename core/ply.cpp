@@ -196,8 +196,8 @@ std::vector<Eigen::Vector2f> ReadPlyTextureCoordinates(const std::filesystem::pa
     if (!u || !v || u->count_type || v->count_type) continue;
     std::vector<Eigen::Vector2f> uv(vertices.count);
     for (size_t i = 0; i < uv.size(); ++i) {
-      RequireFinite(u->values[i], "texture coordinate", i, file);
-      RequireFinite(v->values[i], "texture coordinate", i, file);
+      RequireFinite(static_cast<float>(u->values[i]), "texture coordinate", i, file);
+      RequireFinite(static_cast<float>(v->values[i]), "texture coordinate", i, file);
       uv[i] = {static_cast<float>(u->values[i]), static_cast<float>(v->values[i])};
     }
     return uv;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -25,7 +26,7 @@ V3f PixelOf(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-void RequireRadiance(const Image& image, const std::string& where) {
+void RequireRadiance(const Image& image, float gain, const std::string& where) {
   if (image.empty() || image.type() != PixelType::kFloat32 || image.channels() < 3) {
     throw Error(where + ": an environment must be a float RGB picture; give an .hdr or .exr file");
   }
@@ -33,10 +34,10 @@ void RequireRadiance(const Image& image, const std::string& where) {
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
-        const float value = image.At<float>(x, y, c);
+        const float value = gain * image.At<float>(x, y, c);
         if (!std::isfinite(value) || value < 0) {
           throw Error(where + ": the environment's pixel (" + std::to_string(x) + ", " +
-                      std::to_string(y) + ") is " + std::to_string(value) +
+                      std::to_string(y) + ") with its gain is " + std::to_string(value) +
                       "; radiance must be finite and not negative");
         }
         sum += value;
@@ -74,7 +75,7 @@ V3f EnvironmentDirection(const Eigen::Vector2f& pixel, int width, int height) {
           std::cos(polar)};
 }
 
-EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& map) : map_(map) {
+EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& map) {
   tables_.room_is_black = room.sky.isZero(0) && room.wall.isZero(0) && room.ground.isZero(0);
   for (int c = 0; c < 3; ++c) {
     tables_.sky[c] = room.sky[c];
@@ -85,8 +86,12 @@ EnvironmentLight::EnvironmentLight(const Lighting& room, const EnvironmentMap& m
   if (!(map.gain > 0) || !std::isfinite(map.gain)) {
     throw Error("the environment map's gain must be positive; leave the map out for none");
   }
-  RequireRadiance(*map.image, "environment map");
+  RequireRadiance(*map.image, map.gain, "environment map");
   const int width = map.image->width(), height = map.image->height();
+  if (map.image->size() > static_cast<size_t>(std::numeric_limits<int32_t>::max())) {
+    throw Error("the environment map has more than 700 million pixels; make it smaller");
+  }
+  pixels_.reserve(3 * static_cast<size_t>(width) * height);
   std::vector<double> luminance;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -202,7 +207,7 @@ EnvironmentMap MakeStudioEnvironment(int width) {
 
 EnvironmentMap ReadEnvironmentMap(const std::filesystem::path& file, float gain) {
   Image image = ReadImage(file);
-  RequireRadiance(image, file.string());
+  RequireRadiance(image, gain, file.string());
   return {std::make_shared<const Image>(std::move(image)), gain};
 }
 

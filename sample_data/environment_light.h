@@ -51,7 +51,6 @@ class EnvironmentLight {
  private:
   void Tabulate(const std::vector<double>& luminance);
 
-  EnvironmentMap map_;
   std::vector<float> pixels_;   // RGB
   std::vector<float> rows_;     // cumulative, height + 1
   std::vector<float> columns_;  // cumulative a row, (width + 1) each

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <unordered_map>
@@ -144,7 +145,7 @@ void RepairNormals(ImportedMesh& imported) {
   std::vector<V3> computed;
   for (size_t v = 0; v < mesh.normals.size(); ++v) {
     const double length = mesh.normals[v].norm();
-    if (length > 1e-6) {
+    if (length > 1e-6 && std::isfinite(length)) {
       mesh.normals[v] /= length;
       continue;
     }

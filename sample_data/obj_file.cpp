@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -78,6 +80,7 @@ class ObjParser {
       ReadColor();
     } else if (key == "vt") {
       uv_.push_back(Numbers<2>("texture coordinate").template cast<float>());
+      if (!uv_.back().allFinite()) Fail("a texture coordinate is too large");
     } else if (key == "vn") {
       normals_.push_back(Numbers<3>("normal"));
     } else if (key == "f") {
@@ -110,21 +113,23 @@ class ObjParser {
       names.assign(words_.begin() + 1, words_.end());
     }
     for (const std::string& name : names) {
+      if (!libraries_.insert(name).second) continue;
       if (!std::filesystem::is_regular_file(folder / name, ignored)) {
         warnings_.push_back("materials left out: there is no file " + (folder / name).string());
         continue;
       }
-      const std::vector<ObjMaterial> more = ReadObjMaterials(folder / name);
-      materials_.insert(materials_.end(), more.begin(), more.end());
+      for (const ObjMaterial& material : ReadObjMaterials(folder / name)) {
+        material_of_name_.emplace(material.name, static_cast<int>(materials_.size()));
+        materials_.push_back(material);
+      }
     }
   }
 
   void UseMaterial() {
     const std::string name = Rest();
-    const auto found = std::find_if(materials_.begin(), materials_.end(),
-                                    [&](const ObjMaterial& m) { return m.name == name; });
-    used_ = found == materials_.end() ? -1 : static_cast<int>(found - materials_.begin());
-    if (used_ < 0 && !materials_.empty()) {
+    const auto found = material_of_name_.find(name);
+    used_ = found == material_of_name_.end() ? -1 : found->second;
+    if (used_ < 0 && !materials_.empty() && unknown_.insert(name).second) {
       warnings_.push_back("no library has the material '" + name + "'");
     }
   }
@@ -252,6 +257,8 @@ class ObjParser {
   std::vector<Eigen::Vector3f> colors_;
   std::vector<Corner> corners_;
   std::vector<ObjMaterial> materials_;
+  std::map<std::string, int> material_of_name_;
+  std::set<std::string> libraries_, unknown_;  // that were named
   std::vector<std::string> warnings_;
   int used_ = -1;  // material
 };

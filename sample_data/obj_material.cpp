@@ -92,7 +92,8 @@ std::vector<ObjMaterial> ReadObjMaterials(const std::filesystem::path& file) {
       continue;
     }
     std::vector<float> numbers;
-    for (float value = 0; numbers.size() < 3 && IsNumber(TakeWord(line), &value);) {
+    for (float value = 0; !line.empty();) {
+      if (!IsNumber(TakeWord(line), &value)) fail("the colour Kd needs three numbers");
       if (!std::isfinite(value)) fail("the colour Kd is not finite");
       numbers.push_back(std::clamp(value, 0.0f, 1.0f));
     }

@@ -42,8 +42,8 @@ std::unique_ptr<PhotoSource> MakeBakedSource(const StudioScene& scene, const Sub
 
 /// Any light field scene on the plate, by path tracing with `samples` a pixel. An occluder is an
 /// object of its own. `indirect_limit` is PathTracer's, in units of the best lit paper's radiance.
-/// Throws Error when
-/// the scene cannot be traced (traced_scene.h, path_tracer.h) or the plate is dark.
+/// Throws Error when the scene cannot be traced (traced_scene.h, path_tracer.h) or the plate is
+/// dark.
 std::unique_ptr<PhotoSource> MakeTracedSource(const SceneDescription& scene,
                                               std::vector<Patch> patches,
                                               const SetReflectance& reflectance, int samples,

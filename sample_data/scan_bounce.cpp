@@ -27,12 +27,27 @@ ScanBand::ScanBand(int width_in, int first_row_in, int rows_in, int frames_in)
   guides.resize(pixels);
 }
 
+void ScanBand::CopyRows(const ScanBand& other) {
+  const int begin = std::max(first_row, other.first_row);
+  const int end = std::min(first_row + rows, other.first_row + other.rows);
+  if (begin >= end) return;
+  const auto copy = [](const auto& from, size_t at, size_t count, auto& to, size_t to_at) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(at), count,
+                to.begin() + static_cast<std::ptrdiff_t>(to_at));
+  };
+  const size_t pixels = static_cast<size_t>(end - begin) * static_cast<size_t>(width);
+  const size_t values = pixels * static_cast<size_t>(frames);
+  copy(other.direct, other.Offset(0, begin), values, direct, Offset(0, begin));
+  copy(other.bounce, other.Offset(0, begin), values, bounce, Offset(0, begin));
+  copy(other.guides, other.Pixel(0, begin), pixels, guides, Pixel(0, begin));
+}
+
 void AddFilteredBounce(const ScanBand& band, int x, int y, float* out) {
   const auto frames = static_cast<size_t>(band.frames);
   const float* direct = &band.direct[band.Offset(x, y)];
   const float* own = &band.bounce[band.Offset(x, y)];
   const ScanGuide& guide = band.guides[band.Pixel(x, y)];
-  if (!guide.whole || !(guide.albedo > kLeastAlbedo)) {
+  if (!LitAlike(guide, guide)) {
     for (size_t f = 0; f < frames; ++f) out[f] = direct[f] + own[f];
     return;
   }

@@ -9,9 +9,10 @@ namespace lfm {
 
 /// What a pixel of a scan shows, for telling which neighbours are lit alike.
 struct ScanGuide {
-  Eigen::Vector3f point = {0, 0, 0}, normal = {0, 0, 0};  ///< means over the pixel, world frame
-  float albedo = 0;                                       ///< mean
-  bool whole = false;  ///< every sample shows a surface that gathers bounced light
+  /// Means over the pixel, world frame; the normal is unit where the pixel is `whole`.
+  Eigen::Vector3f point = {0, 0, 0}, normal = {0, 0, 0};
+  float albedo = 0;    ///< mean
+  bool whole = false;  ///< every sample shows one surface that gathers bounced light
 };
 
 /// Rows of all frames of a scan, linear, light that comes straight apart from light that bounced.
@@ -26,6 +27,9 @@ struct ScanBand {
     return static_cast<size_t>(y - first_row) * static_cast<size_t>(width) + static_cast<size_t>(x);
   }
   size_t Offset(int x, int y) const { return Pixel(x, y) * static_cast<size_t>(frames); }
+
+  /// Takes over the rows that `other` has as well.
+  void CopyRows(const ScanBand& other);
 
   int width = 0, first_row = 0, rows = 0, frames = 0;
   std::vector<float> direct, bounce;  ///< a pixel's frames side by side

@@ -21,6 +21,9 @@ constexpr float kOffsetMm = 0.02f;
 // Sixteen points of a pixel, seen across the stripes: the spans of neighbours overlap by half.
 constexpr double kSpansAcrossPixel = 8;
 constexpr int kEdgeRays = 8;
+// Squared length of the mean of normals that still count as one: they lie within about 18 degrees.
+constexpr float kOneNormal2 = 0.95f;
+constexpr int kBandRows = 64;
 
 double Fraction(double x) { return x - std::floor(x); }
 
@@ -80,6 +83,9 @@ class ScanTracer {
       guide.albedo += first[s].albedo / kFineSamples;
     }
     if (!any) return;
+    // A crease is an edge, too: there is no one normal.
+    guide.whole &= guide.normal.squaredNorm() > kOneNormal2;
+    if (guide.whole) guide.normal.normalize();
     const float share = static_cast<float>(exposure_.white * kPi / kPaintAlbedo) / kFineSamples;
     float factor[kFineSamples];
     for (int s = 0; s < kFineSamples; ++s) factor[s] = share * first[s].albedo / kPi;
@@ -273,6 +279,29 @@ ScanExposure MakeScanExposure(const ScanTrouble& trouble) {
   return exposure;
 }
 
+namespace {
+
+// Adds up the light of a row's pixels, and exposes it in every frame.
+void ExposeScanRow(const ScanBand& band, int y, const PatternTable& patterns, const Sensor& sensor,
+                   uint64_t seed, uint64_t picture, std::vector<Image>& frames) {
+  const int width = band.width;
+  std::vector<float> rows(static_cast<size_t>(patterns.frames()) * width);
+  std::vector<float> sums(patterns.frames());
+  for (int x = 0; x < width; ++x) {
+    AddFilteredBounce(band, x, y, sums.data());
+    for (int slot = 0; slot < patterns.frames(); ++slot) {
+      rows[static_cast<size_t>(patterns.frame_of_slot()[slot]) * width + x] = sums[slot];
+    }
+  }
+  for (int f = 0; f < patterns.frames(); ++f) {
+    const uint64_t stream = (picture << 16) + static_cast<uint64_t>(f) + 1;
+    ExposeRow(sensor, &rows[static_cast<size_t>(f) * width], width, seed, stream,
+              static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, y));
+  }
+}
+
+}  // namespace
+
 ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
                       const Pose& camera_from_world, const PatternTable& patterns,
                       const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
@@ -285,25 +314,23 @@ ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const Pixe
   }
   const ScanTracer tracer(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
   std::vector<RayCounts> counts(static_cast<size_t>(camera.height));
-  ScanBand band(camera.width, 0, camera.height, patterns.frames());
-  ParallelFor(0, camera.height,
-              [&](int64_t y) { tracer.TraceRow(static_cast<int>(y), band, counts[y]); });
-  ParallelFor(0, camera.height, [&](int64_t row) {
-    const int y = static_cast<int>(row);
-    std::vector<float> rows(static_cast<size_t>(patterns.frames()) * camera.width);
-    std::vector<float> sums(patterns.frames());
-    for (int x = 0; x < camera.width; ++x) {
-      AddFilteredBounce(band, x, y, sums.data());
-      for (int slot = 0; slot < patterns.frames(); ++slot) {
-        rows[static_cast<size_t>(patterns.frame_of_slot()[slot]) * camera.width + x] = sums[slot];
-      }
-    }
-    for (int f = 0; f < patterns.frames(); ++f) {
-      const uint64_t stream = (picture << 16) + static_cast<uint64_t>(f) + 1;
-      ExposeRow(sensor, &rows[static_cast<size_t>(f) * camera.width], camera.width, seed, stream,
-                static_cast<uint64_t>(y), &frames[f].At<uint8_t>(0, y));
-    }
-  });
+  // A part of the rows at a time: all frames of a large picture would not fit into memory.
+  ScanBand band(camera.width, 0, 0, patterns.frames());
+  int traced = 0;
+  for (int begin = 0; begin < camera.height; begin += kBandRows) {
+    const int end = std::min(begin + kBandRows, camera.height);
+    const int top = std::max(0, begin - kBounceReach);
+    const int bottom = std::min(camera.height, end + kBounceReach);
+    ScanBand next(camera.width, top, bottom - top, patterns.frames());
+    next.CopyRows(band);
+    ParallelFor(traced, bottom,
+                [&](int64_t y) { tracer.TraceRow(static_cast<int>(y), next, counts[y]); });
+    traced = bottom;
+    band = std::move(next);
+    ParallelFor(begin, end, [&](int64_t y) {
+      ExposeScanRow(band, static_cast<int>(y), patterns, sensor, seed, picture, frames);
+    });
+  }
   for (const RayCounts& count : counts) result.rays += count;
   return result;
 }

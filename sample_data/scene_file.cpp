@@ -97,14 +97,15 @@ void TakeMaterial(const ImportedMesh& imported, SceneObject& object,
 Shape ReadMeshShape(JsonReader& reader, const std::filesystem::path& folder, bool own_surface,
                     SceneObject& object, std::vector<std::string>& warnings) {
   ImportedMesh imported;
+  const std::filesystem::path file = ExistingFile(reader, "mesh", folder);
   try {
-    imported = ImportMesh(ExistingFile(reader, "mesh", folder));
-    if (!own_surface) TakeMaterial(imported, object, warnings);
-    imported.mesh.colors = MaterialColors(imported);
+    imported = ImportMesh(file);
+    if (!own_surface) {
+      TakeMaterial(imported, object, warnings);
+      imported.mesh.colors = MaterialColors(imported);
+    }
   } catch (const Error& e) {
-    const std::string what = e.what();
-    if (what.find("there is no file") != what.npos) throw;
-    reader.Fail("mesh", what);
+    reader.Fail("mesh", e.what());
   }
   for (const std::string& warning : imported.warnings)
     warnings.push_back(object.name + ": " + warning);

@@ -12,6 +12,7 @@
 
 #include "calib/board.h"
 #include "core/atomic_file.h"
+#include "core/error.h"
 #include "core/parallel.h"
 #include "core/ply.h"
 #include "sample_data/camera_path.h"
@@ -317,6 +318,14 @@ StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
 
 void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
                  Progress& progress) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder, error)) {
+    if (std::filesystem::exists(folder, error)) {
+      throw Error(folder.string() + " is a file; give --out the name of a folder");
+    }
+    throw Error(folder.string() + " cannot be made; give --out another name", ErrorKind::kSystem);
+  }
   if (options.mesh.empty() && options.scene != kPaintedScene) {
     SceneDescription scene =
         FindScene(options.scene, options.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
@@ -329,7 +338,6 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   ImageWriteOptions write;
   write.png_compression = 1;
   if (options.jpeg_quality > 0) write.jpeg_quality = options.jpeg_quality;
-  std::error_code error;
   std::filesystem::remove(folder / "capture.json", error);
   const StudioResult result = RenderStudio(
       options,

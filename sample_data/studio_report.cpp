@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/json_reader.h"
 
 namespace lfm {
@@ -51,12 +52,17 @@ double NoiseTally::SensorRms() const { return Rms(sensor_variance, values); }
 double NoiseTally::ValueRms() const { return Rms(squares, values); }
 
 void NoiseTally::Add(double level, double variance, const Sensor& sensor) {
+  if (!std::isfinite(level)) Add(level, variance);
   if (!(level < 1)) return;
   sensor_variance += NoiseVariance(sensor, static_cast<float>(std::max(0.0, level)));
   Add(level, variance);
 }
 
 void NoiseTally::Add(double value, double variance) {
+  if (!std::isfinite(value) || !std::isfinite(variance)) {
+    throw Error("the light of a picture came out as no number; this is a fault of the studio",
+                ErrorKind::kSystem);
+  }
   monte_carlo_variance += variance;
   squares += value * value;
   ++values;

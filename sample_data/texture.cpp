@@ -26,7 +26,9 @@ double Turbulence(const V3& p, uint64_t seed) {
 int Wrapped(int i, int n) { return ((i % n) + n) % n; }
 
 V3f ImageValue(const Image& image, const V2& uv) {
-  const double x = uv.x() * image.width() - 0.5, y = (1 - uv.y()) * image.height() - 0.5;
+  // Into the first tile, however far away it was.
+  const double u = uv.x() - std::floor(uv.x()), v = uv.y() - std::floor(uv.y());
+  const double x = u * image.width() - 0.5, y = (1 - v) * image.height() - 0.5;
   const double x0 = std::floor(x), y0 = std::floor(y);
   const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
   const auto pixel = [&](int dx, int dy) {

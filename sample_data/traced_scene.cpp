@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "sample_data/bsdf.h"
@@ -33,6 +34,10 @@ TracedScene::TracedScene(const std::vector<SceneObject>& objects, std::vector<Pa
   vertices_.resize(vertices_.size() + kVertexStride);
   triangles_.resize(triangles_.size() + 3);
   patch_floats_.resize(patch_floats_.size() + kPatchFloats);
+  constexpr size_t kMost = std::numeric_limits<int32_t>::max();  // lanes count in 32 bits
+  if (vertices_.size() > kMost || triangles_.size() > kMost) {
+    throw Error("the scene's meshes have more than 130 million vertices; decimate them");
+  }
   tables_.vertices = vertices_.data();
   tables_.triangles = triangles_.data();
   tables_.geometry_ints = geometry_ints_.data();
@@ -51,6 +56,11 @@ TracedScene::TracedScene(const std::vector<SceneObject>& objects, std::vector<Pa
     Attach(static_cast<unsigned>(i), first, end - first);
   }
   rtcCommitScene(scene_);
+  if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+    throw Error("Embree could not build the scene: out of memory?", ErrorKind::kSystem);
+  }
 }
 
 TracedScene::~TracedScene() {
@@ -88,6 +98,7 @@ void TracedScene::Add(const SceneObject& object) {
   const auto first_vertex = static_cast<int32_t>(vertices_.size() / kVertexStride);
   const auto normals =
       object.mesh.normals.empty() ? ComputeVertexNormals(object.mesh) : object.mesh.normals;
+  vertices_.reserve(vertices_.size() + kVertexStride * (object.mesh.vertices.size() + 1));
   for (size_t v = 0; v < object.mesh.vertices.size(); ++v) {
     const V3f p = object.mesh.vertices[v].cast<float>(), n = normals[v].cast<float>();
     const Paint paint = painted ? object.paint[v] : Paint{};

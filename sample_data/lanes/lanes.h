@@ -97,10 +97,11 @@ LFM_LANE bool Any(Ints mask) { return MaskBits(mask) != 0; }
 LFM_LANE bool All(bool mask) { return mask; }
 LFM_LANE bool All(Ints mask) { return MaskBits(mask) == (1u << kLaneCount) - 1; }
 
-LFM_LANE float Min(float a, float b) { return b < a ? b : a; }
-LFM_LANE float Max(float a, float b) { return a < b ? b : a; }
-LFM_LANE Floats Min(Floats a, Floats b) { return b < a ? b : a; }
-LFM_LANE Floats Max(Floats a, Floats b) { return a < b ? b : a; }
+/// Where `a` is no number, they are `b`.
+LFM_LANE float Min(float a, float b) { return a < b ? a : b; }
+LFM_LANE float Max(float a, float b) { return a > b ? a : b; }
+LFM_LANE Floats Min(Floats a, Floats b) { return a < b ? a : b; }
+LFM_LANE Floats Max(Floats a, Floats b) { return a > b ? a : b; }
 LFM_LANE Floats Min(Floats a, float b) { return Min(a, Splat<Floats>(b)); }
 LFM_LANE Floats Max(Floats a, float b) { return Max(a, Splat<Floats>(b)); }
 template <typename F>

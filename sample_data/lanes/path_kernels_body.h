@@ -74,7 +74,7 @@ class PathShader {
     const F distance = LoadLanes(job_.surface->distance + part_);
     Emit(distance);
     const Ints hit = active_ & (distance < kFar);
-    if (!Any(hit) || job_.surfaces >= kLongestPath) return;
+    if (!Any(hit) || job_.surfaces + 1 >= kLongestPath) return;
     Absorb(distance);
     LaneSurface<F> surface = LoadSurface();
     const LaneFrame<F> frame = TurnToEye(surface, -direction_);

@@ -7,7 +7,7 @@
 
 namespace lfm {
 
-/// A scene's surfaces as plain arrays, for sixteen lanes to gather from. World frame, mm.
+/// A scene's surfaces as plain arrays, for lanes to gather from. World frame, mm.
 struct SceneTables {
   /// kVertexStride a vertex: position (3), normal (3), texture coordinates (2); painted diffuse
   /// (3), coat (3), roughness, nothing.

@@ -78,6 +78,16 @@ TEST(ScanBounce, DoesNotCrossEdgesStepsOrCreases) {
   }
 }
 
+TEST(ScanBounce, APixelWithoutOneNormalKeepsWhatItHas) {
+  ScanBand band = NoisySheet(0);
+  band.Guide(11, 12).normal = V3f(0.5f, 0, 0.5f);
+  float out[kFrames];
+  AddFilteredBounce(band, 11, 12, out);
+  for (int f = 0; f < kFrames; ++f) {
+    EXPECT_EQ(out[f], band.Direct(11, 12)[f] + band.Bounce(11, 12)[f]) << f;
+  }
+}
+
 TEST(ScanBounce, BlackAndEmptyPixelsKeepWhatTheyHave) {
   ScanBand band(3, 0, 3, 1);
   float out = -1;

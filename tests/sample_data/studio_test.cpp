@@ -201,6 +201,30 @@ TEST(Studio, ScansHaveAMonteCarloErrorBelowTheSensorsNoise) {
   EXPECT_LT(noise.MonteCarloRms(), noise.SensorRms());
 }
 
+// A coarse object has creases inside pixels.
+TEST(Studio, WhiteIsNowhereDarkerThanBlack) {
+  StudioOptions options;
+  options.tiny = true;
+  options.edge_mm = 3.5;
+  options.photos = 1;
+  options.test_photos = 0;
+  options.scans = 1;
+  options.placements = 0;
+  options.photo_width = 64;
+  options.photo_height = 48;
+  options.trouble.sensor.noise = SensorNoise::kOff;
+  const Shoot shoot = RunStudio(options);
+  const Image& white = shoot.pictures.at("scans/scan_00/white.png");
+  const Image& black = shoot.pictures.at("scans/scan_00/black.png");
+  int darker = 0, lit = 0;
+  for (size_t i = 0; i < white.size(); ++i) {
+    darker += white.Data<uint8_t>()[i] < black.Data<uint8_t>()[i];
+    lit += white.Data<uint8_t>()[i] > 100;
+  }
+  EXPECT_EQ(darker, 0);
+  EXPECT_GT(lit, 1000);
+}
+
 TEST_F(StudioTest, IsTheSameForEveryNumberOfThreads) {
   SetThreadCount(1);
   const Shoot other = RunStudio(SmallOptions());
@@ -216,6 +240,15 @@ TEST_F(StudioTest, IsTheSameForEveryNumberOfThreads) {
   for (const auto& [file, picture] : run_->pictures) {
     ASSERT_EQ(picture.Bytes(), other.pictures.at(file).Bytes()) << file;
   }
+}
+
+TEST(Studio, AFileInPlaceOfTheFolderIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  const std::filesystem::path taken = folder.path() / "taken";
+  std::ofstream(taken) << "x";
+  StudioOptions options;
+  options.tiny = true;
+  EXPECT_THROW(MakeCapture(options, taken, SilentProgress()), Error);
 }
 
 TEST(Studio, WritesACaptureThatLoads) {
