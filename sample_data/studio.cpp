@@ -41,7 +41,7 @@ constexpr uint64_t kBorderStream = 35;
 // radiance: more comes from caustics, which are fireflies at few samples.
 constexpr double kIndirectLimit = 1;
 // Of traced scenes with --tiny.
-constexpr int kTinySamples = 2, kTinyBounces = 2;
+constexpr int kTinySamples = 2, kTinyBounces = 1;
 // Photographs that tell the noise of a baked scene.
 constexpr int kNoisePhotos = 4;
 
@@ -293,7 +293,8 @@ StudioOptions ResolveTiny(const StudioOptions& options) {
   const auto shrink = [&](auto StudioOptions::*field, auto tiny) {
     if (options.*field == defaults.*field) resolved.*field = tiny;
   };
-  shrink(&StudioOptions::photos, 20);
+  const bool painted = !options.mesh.empty() || options.scene == kPaintedScene;
+  shrink(&StudioOptions::photos, painted ? 20 : 14);
   shrink(&StudioOptions::test_photos, 2);
   shrink(&StudioOptions::photo_width, 320);
   shrink(&StudioOptions::photo_height, 240);
