@@ -91,7 +91,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
     throw Error((capture.folder / "capture.json").string() +
                 ": no pictures; list at least three photographs of the platform");
   }
-  pictures = FindBoards(std::move(pictures), capture, board, load_image, progress);
+  pictures = FindBoards(std::move(pictures), capture, board, load_image, checked.start, progress);
   const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
   CalibResult result;
   std::map<std::string, double> noise_of_camera;

@@ -72,6 +72,25 @@ void RenderWindow(const BoardPrint& print, const LocalView& view, const PixelFoo
   }
 }
 
+// A corner as the camera sees it, on the plate that it is printed on.
+struct CornerView {
+  const BoardPrint* print = nullptr;
+  LocalView view;
+};
+
+// No answer out of the picture, or when the plate is seen from behind.
+std::optional<CornerView> ViewCorner(const BoardPrint& print, int corner,
+                                     const Eigen::Vector3d& point, const Camera& camera,
+                                     const Pose& camera_from_world) {
+  const BoardPrint::Plate plate = print.PlateOfCorner(corner);
+  const Pose camera_from_plate = camera_from_world * plate.world_from_plate;
+  if (camera_from_plate.Center().z() <= 0) return std::nullopt;
+  const std::optional<LocalView> view =
+      MakeLocalView(camera, camera_from_plate, plate.plate_from_world * point);
+  if (!view) return std::nullopt;
+  return CornerView{plate.print, *view};
+}
+
 struct FitStep {
   Eigen::Vector2d shift;
   double sigma_px = 0;
@@ -192,12 +211,16 @@ void CheckGray(const Image& gray) {
 
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
   std::vector<Eigen::Vector3d> corners;
-  for (const BoardTag& tag : board.tags) {
-    const std::array<Eigen::Vector3d, 4> of_tag = board.TagCorners(tag);
-    corners.insert(corners.end(), of_tag.begin(), of_tag.end());
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    for (const BoardTag& tag : plate.board->tags) {
+      for (const Eigen::Vector3d& corner : plate.board->TagCorners(tag)) {
+        corners.push_back(plate.world_from_plate * corner);
+      }
+    }
+    for (const Eigen::Vector3d& corner : plate.board->CheckerCorners()) {
+      corners.push_back(plate.world_from_plate * corner);
+    }
   }
-  const std::vector<Eigen::Vector3d> of_checker = board.CheckerCorners();
-  corners.insert(corners.end(), of_checker.begin(), of_checker.end());
   return corners;
 }
 
@@ -211,10 +234,11 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
   const PixelFootprint footprint = MakePixelFootprint(search.blur_px);
   std::vector<CornerObservation> found;
   for (size_t i = 0; i < corners.size(); ++i) {
-    const std::optional<LocalView> view = MakeLocalView(camera, camera_from_world, corners[i]);
-    if (!view) continue;
+    const std::optional<CornerView> corner =
+        ViewCorner(print, static_cast<int>(i), corners[i], camera, camera_from_world);
+    if (!corner) continue;
     const std::optional<CornerFit> fit =
-        FitCorner(linear_gray, print, footprint, *view, Eigen::Vector2d::Zero(), search);
+        FitCorner(linear_gray, *corner->print, footprint, corner->view, {0, 0}, search);
     if (!fit || fit->sigma_px > kMaxSigmaPx ||
         fit->relative_residual > search.max_relative_residual) {
       continue;
@@ -240,11 +264,12 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
     double cost = 0;
     for (size_t i = 0; i < count; ++i) {
       const CornerObservation& observation = observed[i * observed.size() / count];
-      const std::optional<LocalView> view =
-          MakeLocalView(camera, camera_from_world, corners[observation.corner]);
-      const std::optional<CornerFit> fit = view ? FitCorner(linear_gray, print, footprint, *view,
-                                                            observation.pixel - view->pixel, search)
-                                                : std::nullopt;
+      const std::optional<CornerView> corner = ViewCorner(
+          print, observation.corner, corners[observation.corner], camera, camera_from_world);
+      const std::optional<CornerFit> fit =
+          corner ? FitCorner(linear_gray, *corner->print, footprint, corner->view,
+                             observation.pixel - corner->view.pixel, search)
+                 : std::nullopt;
       cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
                   : kCostOfNoFit;
     }

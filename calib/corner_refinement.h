@@ -12,8 +12,9 @@
 
 namespace lfm {
 
-/// The corners of a board that pictures are searched for: four a tag in the order of
-/// `Board::tags` and `Board::TagCorners`, then `Board::CheckerCorners`.
+/// The corners of a board that pictures are searched for, in the world: four a tag in the order of
+/// `Board::tags` and `Board::TagCorners`, then `Board::CheckerCorners`; then those of each attached
+/// board in the same way.
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board);
 
 /// A corner found in a picture.

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "calib/bundle_adjustment.h"
+#include "calib/circle_match.h"
 #include "calib/tag_detection.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -22,7 +23,7 @@ constexpr CornerSearch kFineSearch = {.max_shift_px = 1.5};
 constexpr int kMinRoughCorners = 4;
 
 CalibPicture FindBoard(CalibPicture picture, const Capture& capture, const Board& board,
-                       const ImageLoader& load_image, TagDetector& detector) {
+                       const ImageLoader& load_image, BoardSearch start, TagDetector& detector) {
   try {
     const Image image = load_image(picture.file);
     const CaptureCamera& camera = capture.cameras.at(picture.camera);
@@ -32,7 +33,8 @@ CalibPicture FindBoard(CalibPicture picture, const Capture& capture, const Board
                          picture.camera + "\" is " + size(camera.width, camera.height);
       return picture;
     }
-    std::variant<BoardMatch, BoardMismatch> match = MatchBoard(board, detector.Detect(image));
+    std::variant<BoardMatch, BoardMismatch> match =
+        ChooseMatch(MatchBoard(board, detector.Detect(image)), board, image, start);
     if (const BoardMismatch* mismatch = std::get_if<BoardMismatch>(&match)) {
       picture.rejected = mismatch->reason;
     } else {
@@ -69,16 +71,16 @@ BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::V
 
 std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Capture& capture,
                                      const Board& board, const ImageLoader& load_image,
-                                     Progress& progress) {
+                                     BoardSearch start, Progress& progress) {
   progress.Start("finding tags", static_cast<int64_t>(pictures.size()));
   ParallelChunks(static_cast<int64_t>(pictures.size()), kPicturesPerDetector,
                  [&](int64_t begin, int64_t end, int64_t) {
-                   TagDetector detector(board.family);
+                   TagDetector detector(board.family, board.border_cells);
                    for (int64_t i = begin; i < end; ++i) {
                      CalibPicture& picture = pictures[static_cast<size_t>(i)];
                      if (picture.InUse()) {
-                       picture =
-                           FindBoard(std::move(picture), capture, board, load_image, detector);
+                       picture = FindBoard(std::move(picture), capture, board, load_image, start,
+                                           detector);
                      }
                      progress.Advance();
                    }

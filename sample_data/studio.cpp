@@ -78,7 +78,8 @@ class Studio {
         sag_mm_(options.trouble.platform.plate_sag_mm),
         sensor_{options.trouble.sensor.full_well_electrons,
                 options.trouble.sensor.read_noise_electrons},
-        board_(PrintedBoard(DefaultBoard(), options.trouble.platform, seed_)),
+        nominal_(options.board.empty() ? DefaultBoard() : ReadBoard(options.board)),
+        board_(PrintedBoard(nominal_, options.trouble.platform, seed_)),
         reflectance_(board_) {}
 
   StudioResult Run() {
@@ -92,6 +93,7 @@ class Studio {
     TakePhotos();
     if (options_.scans > 0 || options_.placements > 0) TakeScans();
     result_.mesh = std::move(subject_.mesh);
+    result_.board = nominal_;
     result_.printed = board_;
     return std::move(result_);
   }
@@ -292,7 +294,7 @@ class Studio {
   uint64_t seed_;
   double sag_mm_;
   Sensor sensor_;
-  Board board_;  // as printed
+  Board nominal_, board_;  // as designed, as printed
   SetReflectance reflectance_;
   std::optional<SceneDescription> scene_description_;  // none: the subject is painted
   Subject subject_;
@@ -361,7 +363,7 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   WriteTrouble(options, result, truth.folder);
   WriteExports(capture, truth);
   SaveCapture(truth);
-  WriteBoard(DefaultBoard(), folder / capture.board);
+  WriteBoard(result.board, folder / capture.board);
   SaveCapture(capture);
 }
 

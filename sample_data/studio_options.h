@@ -17,6 +17,7 @@ struct StudioOptions {
   std::string scene = "bust";  ///< built in, or a scene file; `mesh` replaces it
   std::string mesh;
   double mesh_height_mm = 120;
+  std::string board;  ///< a board file; empty: DefaultBoard
   int seed = 1;
   RenderQuality quality = RenderQuality::kDefault;
   int transport_channels = 1;
@@ -42,15 +43,15 @@ struct StudioOptions {
 
   void Declare(OptionVisitor& v) {
     v.Text({"scene", "What is recorded: a scene that is built in, or a scene file (JSON)."}, scene);
-    v.Enumeration(
-        {"quality",
-         "Samples of light: a quarter, the usual, or 16 times as many."},
-        {"draft", "default", "reference"}, quality);
+    v.Enumeration({"quality", "Samples of light: a quarter, the usual, or 16 times as many."},
+                  {"draft", "default", "reference"}, quality);
     v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
                "", 1, 3},
               transport_channels);
     v.Text({"mesh", "A PLY mesh to stand on the platform instead of the scene's object."}, mesh);
     v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
+    v.Text({"board", "A board file (of lfm-board): the platform, instead of the usual one."},
+           board);
     v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
     v.Flag({"tiny",
             "A small, quick capture: sizes and counts that are not given take their tiny values."},

@@ -199,7 +199,7 @@ SurfacePoint TracedScene::Surface(const RayPacket& packet, int lane, const V3f& 
   surface.position -=
       surface.facet.dot(surface.position - patch.origin.cast<float>()) * surface.facet;
   surface.material.kind = MaterialKind::kLambert;
-  surface.material.diffuse = V3f::Constant(reflectance_->Albedo(patch.material, surface.position));
+  surface.material.diffuse = reflectance_->Color(patch, surface.position);
   FinishFrame(surface, surface.facet, nullptr, -direction);
   return surface;
 }
