@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -375,40 +374,6 @@ TEST(Studio, TinyKeepsWhatIsGiven) {
   EXPECT_EQ(resolved.photos, 7);
   EXPECT_EQ(resolved.photo_width, 320);
   EXPECT_EQ(ResolveTiny(StudioOptions()).photo_width, 960);
-}
-
-TEST(TinyCapture, LoadsCompleteAndStaysSmall) {
-  const std::filesystem::path folder = std::filesystem::path(LFM_SOURCE_DIR) / "sample_data/tiny";
-  const Capture capture = LoadCapture(folder);
-  const Capture truth = LoadCapture(folder / "ground_truth");
-  EXPECT_TRUE(truth.BringsGeometry());
-  EXPECT_GE(capture.photos.size(), 20u);
-  const ImageLoader load = MakeImageLoader(capture);
-  for (const Photo& photo : capture.photos) EXPECT_EQ(load(photo.file).width(), 320);
-  ASSERT_TRUE(capture.scanner);
-  for (const ScanSet& set : capture.scanner->placements) {
-    for (const std::string& frame : set.frames) EXPECT_EQ(load(frame).channels(), 1);
-  }
-  uintmax_t bytes = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) bytes += entry.file_size();
-  }
-  EXPECT_LE(bytes, 2'000'000u);
-}
-
-int RunCommand(const std::string& arguments) {
-  const std::string command =
-      std::string(LFM_BIN_DIR) + "/lfm-capture " + arguments + " > /dev/null 2>&1";
-  return WEXITSTATUS(std::system(command.c_str()));
-}
-
-TEST(CaptureCommand, ExitsAsDocumented) {
-  EXPECT_EQ(RunCommand("--help"), 0);
-  EXPECT_EQ(RunCommand(""), 2);
-  EXPECT_EQ(RunCommand("--out /nowhere/x --photos -3"), 2);
-  EXPECT_EQ(RunCommand("--out /proc/none/x --tiny --photos 1 --test-photos 0 --scans 0 "
-                       "--placements 0 --photo-width 32 --photo-height 24 --edge 4"),
-            1);
 }
 
 }  // namespace
