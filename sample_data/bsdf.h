@@ -17,7 +17,7 @@ namespace lfm {
 /// kPhong      kd / pi + ks (s + 2) / (2 pi) cos^s(angle of i with the mirror image of o): the
 ///             modified lobe of Lafortune and Willems 1994, whose albedo is exactly ks at normal
 ///             incidence and less elsewhere (what lies below the horizon is lost)
-/// kConductor  Schlick(specular) D G2 / (4 cos cos), GGX (sample_data/microfacet.h); light
+/// kConductor  Schlick(specular) D G2 / (4 cos cos), GGX (sample_data/lanes/microfacet.h); light
 ///             scattered twice between facets is lost
 /// kPaint      diffuse (1 - specular) / pi + the same coat, isotropic: what light_baking and
 ///             coat_shading compute
@@ -26,7 +26,8 @@ namespace lfm {
 /// kGlass      Walter, Marschner, Li and Torrance 2007 (their equations 20 and 21), alpha_u on both
 ///             axes. Radiance is physical: refraction scales it by (n_o / n_i)^2, which undoes
 ///             itself when the ray comes out. Absorption is the path tracer's.
-/// kFuzz       specular times fibres (sample_data/fuzz.h) over a base that gets what they leave
+/// kFuzz       specular times fibres (sample_data/lanes/fuzz.h) over a base that gets what they
+/// leave
 ///
 /// A conductor, a coat or a glass of roughness below kMirrorAlpha is perfectly smooth: a delta
 /// lobe, which only SampleBsdf sees. A rough glass whose index is within 1e-3 of 1 counts as clear.

@@ -183,7 +183,7 @@ class FieldStudio {
         counts[row] += trace(seed_, pixel);
         if (IsNoiseRow(row, camera.height, kNoisePictureRows)) {
           std::vector<float> again(pixel.size());
-          trace(seed_again_, again);
+          counts[row] += trace(seed_again_, again);
           noise[row] += TallyPair(pixel, again, &sensor);
         }
         for (size_t l = 0; l < lights.size(); ++l) {
@@ -272,7 +272,7 @@ class FieldStudio {
             counts[r] = fill_row(first + r, Seed::kUsual, rgb.data());
             if (IsNoiseRow(first + r, shape.rows(), kNoiseMatrixRows)) {
               std::vector<float> again(rgb.size(), 0.0f);
-              fill_row(first + r, Seed::kOther, again.data());
+              counts[r] += fill_row(first + r, Seed::kOther, again.data());
               noise[r] = TallyPair(rgb, again, nullptr);
             }
             preview_[first + r] =

@@ -33,7 +33,7 @@ class DielectricAlbedo {
   std::vector<float> table_, mean_;
 };
 
-/// Albedo of the fibres of sample_data/fuzz.h for a white sheen; roughness in [0.07, 1].
+/// Albedo of the fibres of sample_data/lanes/fuzz.h for a white sheen; roughness in [0.07, 1].
 class FuzzAlbedo {
  public:
   FuzzAlbedo();

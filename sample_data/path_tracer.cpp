@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -20,20 +21,20 @@ constexpr int kLane = 16;
 // Arrays cut out of one block, each with room for sixteen values more than it is asked for.
 class Arena {
  public:
-  explicit Arena(size_t words) : block_(std::make_unique_for_overwrite<float[]>(words)) {}
+  explicit Arena(size_t bytes) : block_(std::make_unique_for_overwrite<std::byte[]>(bytes)) {}
   template <typename T>
   T* Take(size_t count) {
     T* taken = reinterpret_cast<T*>(block_.get() + used_);
-    used_ += (count + kLane) * sizeof(T) / sizeof(float);
+    used_ += (count + kLane) * sizeof(T);
     return taken;
   }
 
  private:
-  std::unique_ptr<float[]> block_;  // aligned for 64-bit values: from operator new
+  std::unique_ptr<std::byte[]> block_;  // aligned for 64-bit values: from operator new
   size_t used_ = 0;
 };
 
-constexpr size_t kWaveWords = 20, kQueueWords = 11;  // of four bytes, a path
+constexpr size_t kWaveBytes = 80, kQueueBytes = 44;  // a path
 
 PathWave MakeWave(Arena& arena, size_t paths) {
   PathWave wave;
@@ -61,6 +62,17 @@ ShadowQueue MakeQueue(Arena& arena, size_t rays) {
 
 void CopyLanes(const float* from, float* to) { std::memcpy(to, from, kLane * sizeof(float)); }
 
+// Sixteen rays out of arrays, into a packet of Embree's. All else in it must be 0.
+void AimRays(float* const origin[3], float* const direction[3], int begin, RTCRay16& rays) {
+  CopyLanes(origin[0] + begin, rays.org_x);
+  CopyLanes(origin[1] + begin, rays.org_y);
+  CopyLanes(origin[2] + begin, rays.org_z);
+  CopyLanes(direction[0] + begin, rays.dir_x);
+  CopyLanes(direction[1] + begin, rays.dir_y);
+  CopyLanes(direction[2] + begin, rays.dir_z);
+  std::fill(rays.mask, rays.mask + kLane, ~0u);
+}
+
 class Batch {
  public:
   Batch(const PathTracer& tracer, const PathKernels& kernels, std::span<const PathRay> rays,
@@ -70,7 +82,7 @@ class Batch {
         kernels_(kernels),
         radiance_(radiance),
         log_(log),
-        arena_(Words(tracer, rays.size())) {
+        arena_(Bytes(tracer, rays.size())) {
     const LightTables& lights = tracer.lights();
     wave_ = MakeWave(arena_, rays.size());
     next_ = MakeWave(arena_, rays.size());
@@ -93,7 +105,7 @@ class Batch {
       wave_.ray[i] = static_cast<int32_t>(i);
       radiance_[i] = V3f::Zero();
     }
-    // The kernels read whole packs: beyond the last path they meet copies of values, never rubbish.
+    // The kernels read whole packs, beyond the last path too: they must not meet rubbish.
     ClearTail(wave_);
   }
 
@@ -119,10 +131,10 @@ class Batch {
   static size_t Queues(const PathTracer& tracer) {
     return static_cast<size_t>(tracer.lights().lamps) + tracer.lights().parallel + 1;
   }
-  static size_t Words(const PathTracer& tracer, size_t rays) {
+  static size_t Bytes(const PathTracer& tracer, size_t rays) {
     const size_t last = rays * (static_cast<size_t>(tracer.lights().lamps) + 1);
-    return 2 * kWaveWords * (rays + kLane) +
-           kQueueWords * (Queues(tracer) * (rays + kLane) + last + kLane);
+    return 2 * kWaveBytes * (rays + kLane) +
+           kQueueBytes * (Queues(tracer) * (rays + kLane) + last + kLane);
   }
 
   static void ClearTail(PathWave& wave) {
@@ -142,17 +154,10 @@ class Batch {
   void TracePack(int surfaces, int begin) {
     const int lanes = std::min(kLane, wave_.count - begin);
     RayPacket packet;
-    RTCRay16& ray = packet.rays.ray;  // all else is 0
-    CopyLanes(wave_.origin[0] + begin, ray.org_x);
-    CopyLanes(wave_.origin[1] + begin, ray.org_y);
-    CopyLanes(wave_.origin[2] + begin, ray.org_z);
-    CopyLanes(wave_.direction[0] + begin, ray.dir_x);
-    CopyLanes(wave_.direction[1] + begin, ray.dir_y);
-    CopyLanes(wave_.direction[2] + begin, ray.dir_z);
+    RTCRay16& ray = packet.rays.ray;
+    AimRays(wave_.origin, wave_.direction, begin, ray);
     for (int lane = 0; lane < kLane; ++lane) {
-      ray.tnear[lane] = 0;
       ray.tfar[lane] = kFar;
-      ray.mask[lane] = ~0u;
       packet.rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
       packet.valid[lane] = lane < lanes ? -1 : 0;
     }
@@ -192,13 +197,8 @@ class Batch {
   }
 
   void Flush(ShadowQueue& queue, RayOrder order, std::vector<ShadowPacket>* log) {
-    ShadowPacket packet;
+    ShadowPacket packet = {};
     RTCRay16& ray = packet.rays;
-    for (int lane = 0; lane < kLane; ++lane) {
-      ray.tnear[lane] = ray.time[lane] = 0;
-      ray.mask[lane] = ~0u;
-      ray.id[lane] = ray.flags[lane] = 0;
-    }
     // Embree looks at rays that are switched off, too: they must not be rubbish.
     for (int i = queue.count; i % kLane != 0; ++i) {
       for (int c = 0; c < 3; ++c) queue.origin[c][i] = queue.direction[c][i] = 0;
@@ -206,12 +206,7 @@ class Batch {
     }
     for (int begin = 0; begin < queue.count; begin += kLane) {
       const int lanes = std::min(kLane, queue.count - begin);
-      CopyLanes(queue.origin[0] + begin, ray.org_x);
-      CopyLanes(queue.origin[1] + begin, ray.org_y);
-      CopyLanes(queue.origin[2] + begin, ray.org_z);
-      CopyLanes(queue.direction[0] + begin, ray.dir_x);
-      CopyLanes(queue.direction[1] + begin, ray.dir_y);
-      CopyLanes(queue.direction[2] + begin, ray.dir_z);
+      AimRays(queue.origin, queue.direction, begin, ray);
       CopyLanes(queue.distance + begin, ray.tfar);
       for (int lane = 0; lane < kLane; ++lane) packet.valid[lane] = lane < lanes ? -1 : 0;
       if (log != nullptr) log->push_back(packet);

@@ -21,7 +21,8 @@ constexpr float kOffsetMm = 0.02f;
 // Sixteen points of a pixel, seen across the stripes: the spans of neighbours overlap by half.
 constexpr double kSpansAcrossPixel = 8;
 constexpr int kEdgeRays = 8;
-// Squared length of the mean of normals that still count as one: they lie within about 18 degrees.
+// Squared length of the mean of normals that still count as one: halves of a pixel
+// that differ by less than 26 degrees.
 constexpr float kOneNormal2 = 0.95f;
 constexpr int kBandRows = 64;
 
@@ -335,27 +336,26 @@ ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const Pixe
   return result;
 }
 
-NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
-                            const Pose& camera_from_world, const PatternTable& patterns,
-                            const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
-                            uint64_t picture, int row_step) {
+ScanNoise MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                           const Pose& camera_from_world, const PatternTable& patterns,
+                           const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                           uint64_t picture, int row_step) {
   constexpr uint64_t kAgain = 0x5ca2;
   const Camera& camera = rays.camera();
   const ScanTracer once(subject, rig, rays, camera_from_world, patterns, exposure, seed, picture);
   const ScanTracer again(subject, rig, rays, camera_from_world, patterns, exposure,
                          ScrambleBits(seed ^ kAgain), picture);
   const int first = std::min(row_step, camera.height) / 2;
-  std::vector<NoiseTally> tallies(
+  std::vector<ScanNoise> parts(
       static_cast<size_t>((camera.height - first + row_step - 1) / row_step));
-  ParallelFor(0, static_cast<int64_t>(tallies.size()), [&](int64_t i) {
+  ParallelFor(0, static_cast<int64_t>(parts.size()), [&](int64_t i) {
     const int y = first + static_cast<int>(i) * row_step;
     const int top = std::max(0, y - kBounceReach);
     const int rows = std::min(camera.height - 1, y + kBounceReach) - top + 1;
     ScanBand a(camera.width, top, rows, patterns.frames()), b = a;
-    RayCounts uncounted;
     for (int row = top; row < top + rows; ++row) {
-      once.TraceRow(row, a, uncounted);
-      again.TraceRow(row, b, uncounted);
+      once.TraceRow(row, a, parts[i].rays);
+      again.TraceRow(row, b, parts[i].rays);
     }
     std::vector<float> one(patterns.frames()), other(patterns.frames());
     for (int x = 0; x < camera.width; ++x) {
@@ -363,12 +363,15 @@ NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, cons
       AddFilteredBounce(b, x, y, other.data());
       for (int f = 0; f < patterns.frames(); ++f) {
         const double difference = static_cast<double>(one[f]) - other[f];
-        tallies[i].Add(one[f], difference * difference / 2, sensor);
+        parts[i].noise.Add(one[f], difference * difference / 2, sensor);
       }
     }
   });
-  NoiseTally sum;
-  for (const NoiseTally& tally : tallies) sum += tally;
+  ScanNoise sum;
+  for (const ScanNoise& part : parts) {
+    sum.noise += part.noise;
+    sum.rays += part.rays;
+  }
   return sum;
 }
 

@@ -58,11 +58,15 @@ ScanFrames RenderScan(const ScanSubject& subject, const ScanRig& rig, const Pixe
                       const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
                       uint64_t picture);
 
+struct ScanNoise {
+  NoiseTally noise;
+  RayCounts rays;  ///< that measuring took
+};
 /// The Monte Carlo error of that scan beside the sensor's noise: every `row_step`-th row (with the
 /// rows that its filter reads) is traced twice, with independent random numbers.
-NoiseTally MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
-                            const Pose& camera_from_world, const PatternTable& patterns,
-                            const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
-                            uint64_t picture, int row_step);
+ScanNoise MeasureScanNoise(const ScanSubject& subject, const ScanRig& rig, const PixelRays& rays,
+                           const Pose& camera_from_world, const PatternTable& patterns,
+                           const ScanExposure& exposure, const Sensor& sensor, uint64_t seed,
+                           uint64_t picture, int row_step);
 
 }  // namespace lfm

@@ -106,8 +106,11 @@ class ScanSession {
       progress_.Advance();
     }
     if (options_.scans > 0) {
-      taken_.report.noise = MeasureScanNoise(painted, rig_, rays_, poses[0], patterns, exposure_,
-                                             sensor_, seed_, kScanPictures, kNoiseRowStep);
+      const ScanNoise measured =
+          MeasureScanNoise(painted, rig_, rays_, poses[0], patterns, exposure_, sensor_, seed_,
+                           kScanPictures, kNoiseRowStep);
+      taken_.report.noise = measured.noise;
+      taken_.report.rays += measured.rays;
     }
     return poses;
   }

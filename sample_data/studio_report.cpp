@@ -37,6 +37,12 @@ const char* QualityName(RenderQuality quality) {
   return "default";
 }
 
+void RequireNumbers(double value, double variance) {
+  if (std::isfinite(value) && std::isfinite(variance)) return;
+  throw Error("the light of a picture came out as no number; this is a fault of the studio",
+              ErrorKind::kSystem);
+}
+
 }  // namespace
 
 NoiseTally& NoiseTally::operator+=(const NoiseTally& other) {
@@ -52,17 +58,14 @@ double NoiseTally::SensorRms() const { return Rms(sensor_variance, values); }
 double NoiseTally::ValueRms() const { return Rms(squares, values); }
 
 void NoiseTally::Add(double level, double variance, const Sensor& sensor) {
-  if (!std::isfinite(level)) Add(level, variance);
+  RequireNumbers(level, variance);
   if (!(level < 1)) return;
   sensor_variance += NoiseVariance(sensor, static_cast<float>(std::max(0.0, level)));
   Add(level, variance);
 }
 
 void NoiseTally::Add(double value, double variance) {
-  if (!std::isfinite(value) || !std::isfinite(variance)) {
-    throw Error("the light of a picture came out as no number; this is a fault of the studio",
-                ErrorKind::kSystem);
-  }
+  RequireNumbers(value, variance);
   monte_carlo_variance += variance;
   squares += value * value;
   ++values;

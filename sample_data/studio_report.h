@@ -47,7 +47,7 @@ NoiseTally TallyDifferences(const Image& radiance, const Image& again, float exp
 /// What one piece of the studio's work took, and the noise of what it made.
 struct StageReport {
   std::string name;
-  RayCounts rays;
+  RayCounts rays;              ///< those that measured the noise included
   double wall_in_seconds = 0;  ///< from first to last, exposing and writing the pictures included
   double cpu_in_seconds = 0;   ///< of all threads of the process
   std::optional<NoiseTally> noise;

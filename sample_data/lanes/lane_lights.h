@@ -7,7 +7,8 @@
 namespace lfm {
 inline namespace LFM_LANE_SET {
 
-/// One lamp a lane (LampLight32).
+/// One lamp a lane: an AreaLight in float32. A lamp shines from its front; it has no back and
+/// stands in nobody's way: rays see its light, and go on. Points are drawn uniformly over its area.
 template <typename F>
 struct LaneLamp {
   Vec<F> center, half_u, half_v, normal, radiance;

@@ -25,14 +25,13 @@ LFM_LANE NumberPair<F> RandomLanes(ULongOf<F> set, UIntOf<F> index, uint32_t dim
   using U = UIntOf<F>;
   const ULongOf<F> shared = ScrambleLanes(set + 0xd1342543de82ef95ull * (uint64_t{dimension} + 1));
   const U bits = LowBits(shared);
-  const auto flip = [&](U bit) -> U { return (bits >> bit) & 1u; };
-  const auto same_flip = [&](int bit) -> U { return (bits >> bit) & 1u; };
+  const auto flip = [&](auto bit) -> U { return (bits >> bit) & 1u; };
   // The order of the four points, then the two leading bits of each coordinate.
   const U b0 = index & 1u, b1 = (index >> 1) & 1u;
-  const U i0 = b0 ^ same_flip(0), i1 = b1 ^ flip(1u + b0);
+  const U i0 = b0 ^ flip(0u), i1 = b1 ^ flip(1u + b0);
   const U y0 = i0 ^ i1;
-  const U x = (i0 ^ same_flip(3)) << 1 | (i1 ^ flip(4u + i0));
-  const U y = (y0 ^ same_flip(6)) << 1 | (i1 ^ flip(7u + y0));
+  const U x = (i0 ^ flip(3u)) << 1 | (i1 ^ flip(4u + i0));
+  const U y = (y0 ^ flip(6u)) << 1 | (i1 ^ flip(7u + y0));
   const ULongOf<F> own = ScrambleLanes(shared ^ (0x9e6c63d0676a9a99ull * Widen(index + 1u)));
   const U jitter_x = LowBits(own >> 42), jitter_y = LowBits(own >> 20) & 0x3fffffu;
   return {ToFloat(AsInt(x << 22 | jitter_x)) * 0x1p-24f,

@@ -77,7 +77,6 @@ LFM_LANE float Select(bool mask, float yes, float no) { return mask ? yes : no; 
 LFM_LANE int32_t Select(bool mask, int32_t yes, int32_t no) { return mask ? yes : no; }
 LFM_LANE Floats Select(Ints mask, Floats yes, Floats no) { return mask ? yes : no; }
 LFM_LANE Floats Select(Ints mask, Floats yes, float no) { return mask ? yes : Splat<Floats>(no); }
-LFM_LANE Floats Select(Ints mask, float yes, Floats no) { return mask ? Splat<Floats>(yes) : no; }
 LFM_LANE Ints Select(Ints mask, Ints yes, Ints no) { return mask ? yes : no; }
 
 /// A bit a lane of a mask.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "sample_data/random.h"
 #include "tests/support/scratch_folder.h"
 
@@ -56,6 +57,11 @@ TEST(NoiseTally, SaturatedValuesShowNoNoiseAndNoValuesAreNoNumber) {
   tally.Add(-0.1, 0.04, Sensor{100, 1});  // below black: read noise alone
   EXPECT_NEAR(tally.SensorRms(), 0.01, 1e-9);
   EXPECT_NEAR(tally.MonteCarloRms(), 0.2, 1e-9);
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW(tally.Add(bad, 0, Sensor()), Error);
+    EXPECT_THROW(tally.Add(0, bad, Sensor()), Error);
+    EXPECT_THROW(tally.Add(bad, 0), Error);
+  }
 }
 
 TEST(NoiseTally, ASensorWithoutNoiseHasNone) {

@@ -185,8 +185,7 @@ TEST_F(StudioTest, ReportsRaysAndAMonteCarloErrorBelowTheSensorsNoise) {
   EXPECT_LT(report[1].noise->MonteCarloRms(), report[1].noise->SensorRms());
 }
 
-// At the size that tiny scans have; at 64 x 48 a pixel is as wide as the bust's features.
-TEST(Studio, ScansHaveAMonteCarloErrorBelowTheSensorsNoise) {
+StudioOptions OneTinyScan() {
   StudioOptions options;
   options.tiny = true;
   options.photos = 1;
@@ -195,22 +194,19 @@ TEST(Studio, ScansHaveAMonteCarloErrorBelowTheSensorsNoise) {
   options.placements = 0;
   options.photo_width = 64;
   options.photo_height = 48;
-  const NoiseTally noise = *RunStudio(options).result.report.back().noise;
+  return options;
+}
+
+// At the size that tiny scans have; at 64 x 48 a pixel is as wide as the bust's features.
+TEST(Studio, ScansHaveAMonteCarloErrorBelowTheSensorsNoise) {
+  const NoiseTally noise = *RunStudio(OneTinyScan()).result.report.back().noise;
   EXPECT_GT(noise.MonteCarloRms(), 0);
   EXPECT_LT(noise.MonteCarloRms(), noise.SensorRms());
 }
 
 // A coarse object has creases inside pixels.
 TEST(Studio, WhiteIsNowhereDarkerThanBlack) {
-  StudioOptions options;
-  options.tiny = true;
-  options.edge_mm = 3.5;
-  options.photos = 1;
-  options.test_photos = 0;
-  options.scans = 1;
-  options.placements = 0;
-  options.photo_width = 64;
-  options.photo_height = 48;
+  StudioOptions options = OneTinyScan();
   options.trouble.sensor.noise = SensorNoise::kOff;
   const Shoot shoot = RunStudio(options);
   const Image& white = shoot.pictures.at("scans/scan_00/white.png");
