@@ -41,7 +41,7 @@ inline constexpr float kLaneInversePi = 1 / kLanePi;
 
 template <typename F>
 LFM_LANE F Brightness(const Vec<F>& color) {
-  return (color.x + color.y + color.z) / 3.0f;
+  return (color.x + color.y + color.z) * (1 / 3.0f);
 }
 
 // Share of samples for a lobe of brightness `a` beside another of `b`.

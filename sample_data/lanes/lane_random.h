@@ -32,7 +32,10 @@ LFM_LANE NumberPair<F> RandomLanes(ULongOf<F> set, UIntOf<F> index, uint32_t dim
   const U y0 = i0 ^ i1;
   const U x = (i0 ^ flip(3u)) << 1 | (i1 ^ flip(4u + i0));
   const U y = (y0 ^ flip(6u)) << 1 | (i1 ^ flip(7u + y0));
-  const ULongOf<F> own = ScrambleLanes(shared ^ (0x9e6c63d0676a9a99ull * Widen(index + 1u)));
+  // One, two, three or four times the constant, without a product.
+  constexpr uint64_t kOwn = 0x9e6c63d0676a9a99ull;
+  const ULongOf<F> times = kOwn + (kOwn & -Widen(b0)) + (2 * kOwn & -Widen(b1));
+  const ULongOf<F> own = ScrambleLanes(shared ^ times);
   const U jitter_x = LowBits(own >> 42), jitter_y = LowBits(own >> 20) & 0x3fffffu;
   return {ToFloat(AsInt(x << 22 | jitter_x)) * 0x1p-24f,
           ToFloat(AsInt(y << 22 | jitter_y)) * 0x1p-24f};

@@ -225,22 +225,55 @@ LFM_LANE void StoreLanes(T* to, V values) {
   std::memcpy(to, &values, sizeof values);
 }
 
+#ifdef __AVX2__
+/// For each mask's bits the numbers of its lanes, then those of the others.
+struct LaneOrders {
+  alignas(64) uint8_t of_bits[256][8] = {};
+  constexpr LaneOrders() {
+    for (int bits = 0; bits < 256; ++bits) {
+      int n = 0;
+      for (int wanted = 1; wanted >= 0; --wanted) {
+        for (int lane = 0; lane < 8; ++lane) {
+          if ((bits >> lane & 1) == wanted) of_bits[bits][n++] = static_cast<uint8_t>(lane);
+        }
+      }
+    }
+  }
+};
+inline constexpr LaneOrders kLaneOrders;
+#endif
+
 /// Writes the lanes of a mask one after the other. kLaneCount values may be written at `to`,
 /// whatever the mask: what lies beyond the counted ones is rubbish.
 class LanePacker {
  public:
   LFM_LANE explicit LanePacker(Ints mask) : bits_(MaskBits(mask)) {
-    int n = 0;
-    for (int lane = 0; lane < kLaneCount; ++lane) {
-      order_[n] = lane;
-      n += static_cast<int>(bits_ >> lane & 1u);
-    }
+#ifdef __AVX2__
+    order_ = _mm256_cvtepu8_epi32(
+        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLaneOrders.of_bits[bits_])));
+#endif
   }
   LFM_LANE int count() const { return __builtin_popcount(bits_); }
   LFM_LANE void Write(float* to, Floats values) const { WriteEach(to, values); }
   LFM_LANE void Write(int32_t* to, Ints values) const { WriteEach(to, values); }
-  LFM_LANE void Write(uint64_t* to, ULongs values) const {
-    uint64_t lanes[kLaneCount];
+  LFM_LANE void Write(uint64_t* to, ULongs values) const { WriteOneByOne(to, values); }
+
+ private:
+#ifdef __AVX2__
+  template <typename T, typename V>
+  LFM_LANE void WriteEach(T* to, V values) const {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                        _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(values), order_));
+  }
+#else
+  template <typename T, typename V>
+  LFM_LANE void WriteEach(T* to, V values) const {
+    WriteOneByOne(to, values);
+  }
+#endif
+  template <typename T, typename V>
+  LFM_LANE void WriteOneByOne(T* to, V values) const {
+    T lanes[kLaneCount];
     StoreLanes(lanes, values);
     int n = 0;
     for (int lane = 0; lane < kLaneCount; ++lane) {
@@ -248,24 +281,10 @@ class LanePacker {
       n += static_cast<int>(bits_ >> lane & 1u);
     }
   }
-
- private:
-  template <typename T, typename V>
-  LFM_LANE void WriteEach(T* to, V values) const {
-#ifdef __AVX2__
-    __m256i order;
-    std::memcpy(&order, order_, sizeof order);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
-                        _mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(values), order));
-#else
-    T lanes[kLaneCount];
-    StoreLanes(lanes, values);
-    const int n = count();
-    for (int k = 0; k < n; ++k) to[k] = lanes[order_[k]];
-#endif
-  }
-  int order_[kLaneCount + 1] = {};
   unsigned bits_;
+#ifdef __AVX2__
+  __m256i order_;
+#endif
 };
 
 }  // namespace LFM_LANE_SET
