@@ -294,7 +294,7 @@ StudioOptions ResolveTiny(const StudioOptions& options) {
     if (options.*field == defaults.*field) resolved.*field = tiny;
   };
   const bool painted = !options.mesh.empty() || options.scene == kPaintedScene;
-  shrink(&StudioOptions::photos, painted ? 20 : 14);
+  shrink(&StudioOptions::photos, painted ? 20 : 12);
   shrink(&StudioOptions::test_photos, 2);
   shrink(&StudioOptions::photo_width, 320);
   shrink(&StudioOptions::photo_height, 240);

@@ -97,7 +97,7 @@ struct StudioOptions {
 Sensor MakeSensor(const StudioOptions& options);
 
 /// With `tiny` set, every size and count still at its default takes the tiny value: 20 photographs
-/// (14 of a scene whose light is traced) of 320 x 240, 2 of them test, 3 scans and 3 placements of
+/// (12 of a scene whose light is traced) of 320 x 240, 2 of them test, 3 scans and 3 placements of
 /// 240 x 180, a projector of 256 x 192 with 4 phase steps, the rig not below 36 degrees (tags would
 /// be too flat to read), a coarse object. Without it, the options as they are.
 StudioOptions ResolveTiny(const StudioOptions& options);
