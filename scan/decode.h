@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/image.h"
@@ -30,43 +31,38 @@ struct DecodedPixels {
 
 struct DecodeOptions {
   double min_contrast = 0.03;   ///< linear; darker pixels are not decoded
-  double min_modulation = 0.3;  ///< least ratio of the fringes' swing to white - black
+  double min_modulation = 0.3;  ///< least share of the projector's light that comes straight
   double min_margin = 0.35;     ///< least lead of the best period over the next, in Gray bits
 };
 
 /// Loads the picture of `sequence.patterns[index]`.
 using FrameLoader = std::function<Image(int index)>;
 
-/// Throws Error, naming the first such pattern, when the sequence holds phase frames of several
-/// periods or a moving stripe, which Decode does not read.
-void RequireDecodable(const PatternSequence& sequence);
+/// Throws Error, naming what is missing, when Decode could not decode the sequence: a Gray bit or
+/// a phase step is missing between others, phase shifts repeat across the picture with nothing to
+/// tell the repetitions apart, or a Gray code without inverses has no white or black.
+void RequireComplete(const PatternSequence& sequence);
 
-/// Decodes projector coordinates with sub-pixel precision.
+/// Decodes projector coordinates with sub-pixel precision, in linear light, pixel by pixel.
 ///
-/// In linear light, for each pixel and axis:
-/// 1. white - black masks what the projector does not reach; a pixel that any bright frame
-///    saturates in any channel is rejected.
-/// 2. Gray bit i gives a soft value b_i = (pattern - inverse) / (white - black) in [-1, 1] (against
-///    the mean of white and black when inverses are missing).
-/// 3. The N phase frames give, by least squares (the first DFT coefficient), amplitude A, phase
-///    phi and, from the residual, its uncertainty
-///      sigma_x = period / (2 pi) sqrt(2 / N) sigma_I / A.
-///    The phase knows the position up to a multiple of the period, x_k = period (k + phi / 2 pi).
-/// 4. k maximises the agreement sum_i b_i s_i(x_k) with the Gray code s_i expected at x_k. Since
-///    candidates lie exactly one period apart, noise of phase or code at a period's border cannot
-///    shift the result by a period, and a blurred fine bit weighs little. Near a transition of bit
-///    i, s_i falls linearly to 0.
-/// A fringe of 4 mm sees most of the scene's interreflections as constant light, which cancels in
-/// 2 and 3 (Nayar 2006); what does not cancel lowers the ratio 2 A / (white - black), or makes bits
-/// disagree: both lower the confidence, down to rejection.
+/// An axis is decoded by the best that the sequence shows of it: phase shift (with Gray code or
+/// several periods, scan/phase_decoding.h), else a moving stripe (scan/stripe_decoding.h), else
+/// Gray code alone (scan/gray_decoding.h). Each gives position, standard deviation and confidence.
+/// Rejected are pixels that the projector does not reach (white - black), that any frame saturates
+/// in any channel, that are not finite, whose patterns contradict each other, and that see too
+/// little of the projector's light directly: narrow stripes and fringes average the light that
+/// wanders between surfaces (Nayar et al. 2006), so the rest of their swing is the direct light.
+/// Where white or black is missing, the brightest and darkest value of the other frames stand in.
 ///
-/// A Gray code without phase frames decodes to whole pixels (sigma = 1 / sqrt(12)).
-///
-/// Frames are loaded one by one (at most two held at a time besides sums). Throws Error when the
-/// sequence lacks white, black or a Gray bit of an axis that it uses, is not decodable (see above),
-/// when frames differ in size, and passes on what `load` throws. Non-finite picture values are not
-/// decoded.
+/// Frames are loaded one by one in any order; all but those of stripes are held (8-bit gray ones as
+/// they are). Throws Error as RequireComplete, before anything is loaded, when frames differ in
+/// size, and passes on what `load` throws. A sequence of no patterns along either axis gives white
+/// and contrast only.
 DecodedPixels Decode(const PatternSequence& sequence, const FrameLoader& load,
+                     const DecodeOptions& options);
+
+/// The same of pictures in memory, `frames[i]` showing `sequence.patterns[i]`.
+DecodedPixels Decode(const PatternSequence& sequence, std::span<const Image> frames,
                      const DecodeOptions& options);
 
 }  // namespace lfm

@@ -109,10 +109,11 @@ PatternSequence RequireColumns(const Capture& capture, const std::vector<std::st
   const Scanner& scanner = *capture.scanner;
   const PatternSequence sequence =
       SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
-  RequireDecodable(sequence);
+  RequireComplete(sequence);
   const bool columns =
       std::any_of(sequence.patterns.begin(), sequence.patterns.end(), [](const Pattern& pattern) {
-        return pattern.kind == PatternKind::kGray && pattern.axis == PatternAxis::kColumn;
+        return pattern.kind != PatternKind::kWhite && pattern.kind != PatternKind::kBlack &&
+               pattern.axis == PatternAxis::kColumn;
       });
   if (!columns) {
     throw Error((capture.folder / "capture.json").string() + ": scanner." + key +
