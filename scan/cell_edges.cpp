@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 
 namespace lfm {
@@ -101,30 +100,6 @@ void InterpolateCell(const Line& line, const Edge& from, const Edge& to, AxisCoo
 }
 
 }  // namespace
-
-void RejectIslands(int width, int height, float max_step_px, AxisCoordinates& axis) {
-  std::vector<uint8_t> kept(axis.position.size());
-  const float* position = axis.position.data();
-  const float* confidence = axis.confidence.data();
-  const auto near = [&](size_t p, size_t q) {
-    return static_cast<uint8_t>((std::abs(position[p] - position[q]) <= max_step_px) &
-                                (confidence[q] > 0));
-  };
-  const size_t w = static_cast<size_t>(width), h = static_cast<size_t>(height);
-  for (size_t y = 0; y < h; ++y) {
-    uint8_t* row = &kept[y * w];
-    const size_t begin = y * w;
-    for (size_t x = 1; x < w; ++x) row[x] |= near(begin + x, begin + x - 1);
-    for (size_t x = 0; x + 1 < w; ++x) row[x] |= near(begin + x, begin + x + 1);
-    for (size_t x = 0; y > 0 && x < w; ++x) row[x] |= near(begin + x, begin + x - w);
-    for (size_t x = 0; y + 1 < h && x < w; ++x) row[x] |= near(begin + x, begin + x + w);
-  }
-  for (size_t p = 0; p < kept.size(); ++p) {
-    axis.position[p] = kept[p] ? axis.position[p] : 0.0F;
-    axis.sigma[p] = kept[p] ? axis.sigma[p] : 0.0F;
-    axis.confidence[p] = kept[p] ? axis.confidence[p] : 0.0F;
-  }
-}
 
 void InterpolateBetweenEdges(int width, int height, float cell_px, PatternAxis axis,
                              AxisCoordinates& coordinates) {

@@ -5,10 +5,6 @@
 
 namespace lfm {
 
-/// Clears pixels none of whose four neighbours is decoded within `max_step_px` of them: a flipped
-/// bit moves one pixel, a surface has neighbours.
-void RejectIslands(int width, int height, float max_step_px, AxisCoordinates& axis);
-
 /// Sharpens positions where stripes are wider than what a pixel sees. Cells of `cell_px` projector
 /// pixels begin at -1/2. Along the rows of the picture, or the columns if that is where positions
 /// change more, an edge lies between two decoded neighbours in cells k and k +- 1, by linear

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "scan/axis_frames.h"
 #include "scan/frame_planes.h"
 #include "scan/gray_decoding.h"
@@ -67,8 +68,10 @@ class SequenceDecoder {
     decoded.width = planes_.width();
     decoded.height = planes_.height();
     PixelLight light = FindLight();
-    decoded.column = DecodeAxis(PatternAxis::kColumn, frames_.column, columns, light);
-    decoded.row = DecodeAxis(PatternAxis::kRow, frames_.row, rows, light);
+    ParallelFor(0, 2, [&](int64_t i) {
+      if (i == 0) decoded.column = DecodeAxis(PatternAxis::kColumn, frames_.column, columns, light);
+      if (i == 1) decoded.row = DecodeAxis(PatternAxis::kRow, frames_.row, rows, light);
+    });
     decoded.white = std::move(light.white);
     decoded.contrast = std::move(light.contrast);
     return decoded;

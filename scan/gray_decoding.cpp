@@ -213,16 +213,33 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
   return widest;
 }
 
+/// Appends block by block, so that memory is written once.
+template <typename T>
+void PlaceAll(const AxisPlanes<T>& planes, int left_out, const GrayNoise& noise,
+              const PixelLight& light, const GrayPlacing& placing, AxisCoordinates& out) {
+  const size_t pixels = light.usable.size();
+  out.position.reserve(pixels);
+  out.sigma.reserve(pixels);
+  out.confidence.reserve(pixels);
+  GrayReading reading;
+  std::array<float, kGrayBlock> position, sigma, confidence;
+  for (size_t begin = 0; begin < pixels; begin += kGrayBlock) {
+    const size_t count = std::min<size_t>(kGrayBlock, pixels - begin);
+    kernels::ReadGray(planes.Kernel(left_out), noise, &light.contrast[begin],
+                      static_cast<long>(begin), static_cast<int>(count), reading);
+    kernels::PlaceGray(reading, placing, &light.usable[begin], static_cast<int>(count),
+                       position.data(), sigma.data(), confidence.data());
+    out.position.insert(out.position.end(), position.begin(), position.begin() + count);
+    out.sigma.insert(out.sigma.end(), sigma.begin(), sigma.begin() + count);
+    out.confidence.insert(out.confidence.end(), confidence.begin(), confidence.begin() + count);
+  }
+}
+
 template <typename T>
 AxisCoordinates DecodePlanes(const FramePlanes& planes, const AxisPlanes<T>& axis_planes,
                              const AxisFrames& frames, PatternAxis axis, const PixelLight& light,
                              const DecodeOptions& options) {
-  const size_t pixels = light.usable.size();
   AxisCoordinates out;
-  out.position.resize(pixels);
-  out.sigma.resize(pixels);
-  out.confidence.resize(pixels);
-
   GrayPlacing placing{};
   placing.size = frames.size;
   placing.min_weakest = placing.min_strength = placing.min_direct =
@@ -240,16 +257,11 @@ AxisCoordinates DecodePlanes(const FramePlanes& planes, const AxisPlanes<T>& axi
   placing.cell_px = static_cast<float>(frames.CellPx() << left_out);
   const double widest = EqualizePlaces(statistics, placing);
 
-  GrayReading reading;
-  for (size_t begin = 0; begin < pixels; begin += kGrayBlock) {
-    const int count = static_cast<int>(std::min<size_t>(kGrayBlock, pixels - begin));
-    kernels::ReadGray(axis_planes.Kernel(left_out), noise, &light.contrast[begin],
-                      static_cast<long>(begin), count, reading);
-    kernels::PlaceGray(reading, placing, &light.usable[begin], count, &out.position[begin],
-                       &out.sigma[begin], &out.confidence[begin]);
-  }
-  RejectIslands(planes.width(), planes.height(),
-                std::max<float>(kMaxStepPx, 2 * placing.cell_px), out);
+  PlaceAll(axis_planes, left_out, noise, light, placing, out);
+  std::vector<uint32_t> scratch(2 * static_cast<size_t>(planes.width()));
+  kernels::RejectIslands(planes.width(), planes.height(),
+                         std::max<float>(kMaxStepPx, 2 * placing.cell_px), scratch.data(),
+                         out.position.data(), out.sigma.data(), out.confidence.data());
   if (widest > kWidePart) {
     InterpolateBetweenEdges(planes.width(), planes.height(), placing.cell_px, axis, out);
   }

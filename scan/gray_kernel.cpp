@@ -40,6 +40,16 @@ LFM_INLINE float Linear(uint8_t level) {
 }
 LFM_INLINE float Linear(float value) { return value; }
 
+// |linear a - linear b| to 0.003: the difference of two cubics, divided by a - b beforehand.
+LFM_INLINE float RoughDistance(uint8_t level_a, uint8_t level_b) {
+  const float a = static_cast<float>(level_a), b = static_cast<float>(level_b);
+  constexpr float kOne = 0.0208300992F / 255, kTwo = 0.656301917F / (255 * 255);
+  constexpr float kThree = 0.324083545F / (255 * 255 * 255);
+  const float sum = a + b;
+  return __builtin_fabsf(a - b) * (kOne + sum * (kTwo + kThree * sum) - kThree * (a * b));
+}
+LFM_INLINE float RoughDistance(float a, float b) { return __builtin_fabsf(a - b); }
+
 // A saturated byte or a float that is not finite cannot be measured.
 LFM_INLINE uint8_t Unfit(uint8_t a, uint8_t b) { return a > b ? a : b; }
 LFM_INLINE float Unfit(float a, float b) { return (a - b) * 0.0F; }
@@ -146,18 +156,60 @@ LFM_INLINE void Read(const GrayPlanes<T>& planes, const GrayNoise& noise, const 
     const float fp = Linear(s.finest_p[i]), fq = Linear(s.finest_q[i]);
     const float op = Linear(s.other_p[i]), oq = Linear(s.other_q[i]);
     const float f = Distance(fp, fq), o = Distance(op, oq);
-    const float w = Distance(Linear(s.weak_p[i]), Linear(s.weak_q[i]));
     const float sum = f + o + 1e-12F;
     const float f_variance = constant + noise.slope * (noise.own * fp + noise.both * (fp + fq));
     const float o_variance = constant + noise.slope * (noise.own * op + noise.both * (op + oq));
-    const float inverse = 1 / sum, scale = 1 / contrast[i];
+    const float product = 1 / (sum * contrast[i]);
+    const float inverse = product * contrast[i], scale = product * sum;
     const float square = inverse * inverse;
     reading.balance[i] = (o - f) * inverse;
     reading.variance[i] = 4 * (f * f * o_variance + o * o * f_variance) * (square * square);
     const float strength = sum * scale;
     reading.strength[i] = IsFit(s.worst[i]) ? strength : 0.0F;
-    reading.weakest[i] = w * scale;
-    reading.direct[i] = Distance(Linear(s.strong_p[i]), Linear(s.strong_q[i])) * scale;
+    reading.weakest[i] = RoughDistance(s.weak_p[i], s.weak_q[i]) * scale;
+    reading.direct[i] = RoughDistance(s.strong_p[i], s.strong_q[i]) * scale;
+  }
+}
+
+// Which pixels of a row have a neighbour within `reach`. Rows above and below may be absent.
+LFM_INLINE void MarkNeighbours(const float* above, const float* row, const float* below, long width,
+                               float reach, uint32_t* __restrict kept) {
+  for (long x = 0; x < width; ++x) kept[x] = 0;
+  for (long x = 1; x < width; ++x) {
+    kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - row[x - 1]) <= reach);
+  }
+  for (long x = 0; x < width - 1; ++x) {
+    kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - row[x + 1]) <= reach);
+  }
+  const float* const others[2] = {above, below};
+  for (const float* other : others) {
+    for (long x = 0; other != nullptr && x < width; ++x) {
+      kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - other[x]) <= reach);
+    }
+  }
+  for (long x = 0; x < width; ++x) kept[x] &= static_cast<uint32_t>(row[x] > kNowhere);
+}
+
+LFM_INLINE void Clear(const uint32_t* kept, long width, float* __restrict position,
+                      float* __restrict sigma, float* __restrict confidence) {
+  for (long x = 0; x < width; ++x) position[x] = kept[x] ? position[x] : 0.0F;
+  for (long x = 0; x < width; ++x) sigma[x] = kept[x] ? sigma[x] : 0.0F;
+  for (long x = 0; x < width; ++x) confidence[x] = kept[x] ? confidence[x] : 0.0F;
+}
+
+// A row is cleared once the next one has been compared with it.
+LFM_INLINE void Reject(long width, long height, float reach, uint32_t* kept, float* position,
+                       float* sigma, float* confidence) {
+  for (long y = 0; y <= height; ++y) {
+    if (y < height) {
+      const float* row = position + y * width;
+      MarkNeighbours(y > 0 ? row - width : nullptr, row, y + 1 < height ? row + width : nullptr,
+                     width, reach, kept + (y % 2) * width);
+    }
+    if (y > 0) {
+      const long at = (y - 1) * width;
+      Clear(kept + ((y - 1) % 2) * width, width, position + at, sigma + at, confidence + at);
+    }
   }
 }
 
@@ -203,7 +255,7 @@ LFM_INLINE void Place(const GrayReading& reading, const GrayPlacing& placing,
   }
   for (int i = 0; i < count; ++i) {
     const int32_t good = interval[i] & -static_cast<int32_t>(usable[i] != 0);
-    position[i] = good ? place[i] : 0.0F;
+    position[i] = good ? place[i] : kNowhere;
     sigma[i] = good ? spread[i] : 0.0F;
     confidence[i] = good ? slope[i] : 0.0F;
   }
@@ -216,6 +268,7 @@ struct Kernels {
                       GrayReading&);
   void (*place)(const GrayReading&, const GrayPlacing&, const uint8_t*, int, float*, float*,
                 float*);
+  void (*reject)(long, long, float, uint32_t*, float*, float*, float*);
 };
 
 #define LFM_COMPILE_KERNELS(NAME, TARGET)                                                       \
@@ -231,7 +284,11 @@ struct Kernels {
                           int count, float* position, float* sigma, float* confidence) {        \
     Place(r, g, usable, count, position, sigma, confidence);                                    \
   }                                                                                             \
-  constexpr Kernels k##NAME = {ReadBytes##NAME, ReadFloats##NAME, Place##NAME};
+  TARGET void Reject##NAME(long width, long height, float reach, uint32_t* kept,                \
+                           float* position, float* sigma, float* confidence) {                  \
+    Reject(width, height, reach, kept, position, sigma, confidence);                            \
+  }                                                                                             \
+  constexpr Kernels k##NAME = {ReadBytes##NAME, ReadFloats##NAME, Place##NAME, Reject##NAME};
 
 LFM_COMPILE_KERNELS(Baseline, )
 #if defined(__x86_64__)
@@ -262,6 +319,11 @@ void ReadGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const flo
 void PlaceGray(const GrayReading& reading, const GrayPlacing& placing, const uint8_t* usable,
                int count, float* position, float* sigma, float* confidence) {
   Best().place(reading, placing, usable, count, position, sigma, confidence);
+}
+
+void RejectIslands(long width, long height, float reach, uint32_t* kept, float* position,
+                   float* sigma, float* confidence) {
+  Best().reject(width, height, reach, kept, position, sigma, confidence);
 }
 
 }  // namespace lfm::kernels

@@ -65,9 +65,18 @@ void ReadGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise, const f
 void ReadGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const float* contrast,
               long begin, int count, GrayReading& reading);
 
-/// Position, its standard deviation and confidence of the `count` pixels of a reading; all 0 where
-/// `usable` is 0 or the reading is too weak.
+/// The position of a pixel that PlaceGray does not know.
+constexpr float kNowhere = -1e9F;
+
+/// Position, its standard deviation and confidence of the `count` pixels of a reading; kNowhere, 0
+/// and 0 where `usable` is 0 or the reading is too weak.
 void PlaceGray(const GrayReading& reading, const GrayPlacing& placing, const uint8_t* usable,
                int count, float* position, float* sigma, float* confidence);
+
+/// Clears to 0 what is nowhere, and every pixel none of whose four neighbours lies within `reach`
+/// projector pixels of it: a flipped bit moves one pixel, a surface has neighbours. `kept` is
+/// scratch of two rows.
+void RejectIslands(long width, long height, float reach, uint32_t* kept, float* position,
+                   float* sigma, float* confidence);
 
 }  // namespace lfm::kernels
