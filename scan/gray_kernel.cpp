@@ -58,6 +58,15 @@ LFM_INLINE float Worse(float a, float b) { return a + b; }
 LFM_INLINE bool IsFit(uint8_t worst) { return worst < kCeiling; }
 LFM_INLINE bool IsFit(float worst) { return worst == 0.0F; }
 
+// Forty frames are more streams than the processor fetches ahead by itself.
+template <typename T>
+LFM_INLINE void FetchNextBlock(const T* p, int count) {
+  const char* next = reinterpret_cast<const char*>(p + count);
+  for (long line = 0; line < long{count} * long{sizeof(T)}; line += 64) {
+    __builtin_prefetch(next + line);
+  }
+}
+
 template <typename T>
 struct BitState {
   using Mask = typename MaskOf<T>::Type;
@@ -79,6 +88,8 @@ LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long begin, int count, Bit
   const T* black = planes.black + begin;
   const T* p = planes.pattern[0] + begin;
   const T* q = planes.inverse[0] + begin;
+  FetchNextBlock(p, count);
+  FetchNextBlock(q, count);
   for (int i = 0; i < count; ++i) {
     const Mask on = static_cast<Mask>(-static_cast<int>(p[i] > q[i]));
     s.low[i] = on & 1;
@@ -95,6 +106,8 @@ LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long begin, int count, Bit
   for (int bit = 1; bit < planes.bits; ++bit) {
     p = planes.pattern[bit] + begin;
     q = planes.inverse[bit] + begin;
+    FetchNextBlock(p, count);
+    FetchNextBlock(q, count);
     const Mask digit = static_cast<Mask>(1U << (bit & 7));
     Mask* code = bit < 8 ? s.low : s.high;
     for (int i = 0; i < count; ++i) {
