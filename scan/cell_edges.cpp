@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace lfm {
 namespace {
@@ -16,12 +17,13 @@ struct Line {
   size_t operator[](int i) const { return begin + step * static_cast<size_t>(i); }
 };
 
-/// Where a stripe's edge crosses a line.
+/// Where a stripe's edge crosses a line, between two neighbouring pixels.
 struct Edge {
-  int left = 0;       ///< the pixel before it
-  double place = 0;   ///< along the line, pixels
-  double column = 0;  ///< projector coordinate
-  double sigma_px = 0;  ///< of `place`
+  int left = 0;                     ///< the pixel before it
+  double from_left = 0, from_right = 0;    ///< distances to it, cells, as the pixels say
+  double sigma_left = 0, sigma_right = 0;  ///< of these
+  double column = 0;                ///< projector coordinate
+  double place = 0, sigma_px = 0;   ///< along the line, pixels
 };
 
 double MeanStep(const Line& line, const AxisCoordinates& c, double max_step, double& count) {
@@ -73,16 +75,39 @@ std::optional<Edge> FindEdge(const Line& line, int left, float cell_px, const Ax
   const double ka = std::floor(xa), kb = std::floor(xb);
   if (std::abs(ka - kb) != 1) return std::nullopt;
   const double border = std::max(ka, kb);
-  const double from_a = std::abs(border - xa), from_b = std::abs(border - xb);
-  const double way = std::max(1e-6, from_a + from_b);
   Edge edge;
   edge.left = left;
-  edge.place = left + from_a / way;
+  edge.from_left = std::abs(border - xa);
+  edge.from_right = std::abs(border - xb);
+  edge.sigma_left = c.sigma[a] / cell_px;
+  edge.sigma_right = c.sigma[b] / cell_px;
   edge.column = border * cell_px - 0.5;
-  // A pixel that the edge cuts knows where; between two that see none, it may be anywhere.
-  const double sharper = std::min(c.sigma[a], c.sigma[b]) / cell_px / way;
-  edge.sigma_px = std::min(sharper, 1 / std::sqrt(12.0));
+  edge.place = left + edge.from_left / std::max(1e-6, edge.from_left + edge.from_right);
   return edge;
+}
+
+/// With `cells_per_px` known, the pixel that the edge cuts says where it is; between two that see
+/// none of it, it may be anywhere.
+void Locate(double cells_per_px, Edge& edge) {
+  const double per_cell = 1 / std::max(1e-6, cells_per_px);
+  const bool left = edge.sigma_left < edge.sigma_right;
+  const double sigma = per_cell * (left ? edge.sigma_left : edge.sigma_right);
+  edge.sigma_px = std::min(sigma, 1 / std::sqrt(12.0));
+  const double place =
+      left ? edge.from_left * per_cell : 1 - edge.from_right * per_cell;
+  edge.place = edge.left + (sigma < 1 / std::sqrt(12.0) ? std::clamp(place, 0.0, 1.0) : 0.5);
+}
+
+/// Sharpens the places of a run of edges by how far apart they lie.
+void LocateAll(float cell_px, std::vector<Edge>& edges) {
+  std::vector<double> places;
+  for (const Edge& e : edges) places.push_back(e.place);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const size_t a = i > 0 ? i - 1 : i, b = std::min(i + 1, edges.size() - 1);
+    const double way = places[b] - places[a];
+    const double cells = std::abs(edges[b].column - edges[a].column) / cell_px;
+    if (way > 0 && cells > 0) Locate(cells / way, edges[i]);
+  }
 }
 
 void InterpolateCell(const Line& line, const Edge& from, const Edge& to, AxisCoordinates& c) {
@@ -99,27 +124,35 @@ void InterpolateCell(const Line& line, const Edge& from, const Edge& to, AxisCoo
   }
 }
 
+/// Interpolates one surface's edges along a line, and forgets them.
+void FinishRun(const Line& line, float cell_px, std::vector<Edge>& edges, AxisCoordinates& c) {
+  if (edges.size() > 1) LocateAll(cell_px, edges);
+  for (size_t i = 0; i + 1 < edges.size(); ++i) {
+    // Two edges of one value are where the surface turns back.
+    if (edges[i].column != edges[i + 1].column) InterpolateCell(line, edges[i], edges[i + 1], c);
+  }
+  edges.clear();
+}
+
 }  // namespace
 
 void InterpolateBetweenEdges(int width, int height, float cell_px, PatternAxis axis,
                              AxisCoordinates& coordinates) {
-  for (const Line& line : LinesAcross(width, height, cell_px, axis, coordinates)) {
-    std::optional<Edge> before;
-    AxisCoordinates& c = coordinates;
+  AxisCoordinates& c = coordinates;
+  std::vector<Edge> run;
+  for (const Line& line : LinesAcross(width, height, cell_px, axis, c)) {
     for (int i = 0; i + 1 < line.count; ++i) {
-      const std::optional<Edge> edge = FindEdge(line, i, cell_px, c);
-      if (!edge) {
-        const size_t a = line[i], b = line[i + 1];
-        // A gap or a jump ends the surface.
-        const bool goes_on = c.confidence[a] > 0 && c.confidence[b] > 0 &&
-                             std::abs(c.position[a] - c.position[b]) < cell_px;
-        if (!goes_on) before.reset();
+      if (const std::optional<Edge> edge = FindEdge(line, i, cell_px, c)) {
+        run.push_back(*edge);
         continue;
       }
-      // Two edges of one value are a stripe's turning back, not a slope.
-      if (before && before->column != edge->column) InterpolateCell(line, *before, *edge, c);
-      before = edge;
+      // A gap or a jump ends the surface.
+      const size_t a = line[i], b = line[i + 1];
+      const bool goes_on = c.confidence[a] > 0 && c.confidence[b] > 0 &&
+                           std::abs(c.position[a] - c.position[b]) < cell_px;
+      if (!goes_on) FinishRun(line, cell_px, run, c);
     }
+    FinishRun(line, cell_px, run, c);
   }
 }
 

@@ -22,13 +22,13 @@ using kernels::kGrayIntervals;
 
 constexpr size_t kSampleBlocks = 96;
 constexpr size_t kNoiseStride = 8;
-// (o + f) / contrast is 2 / w for a pixel that averages over w cells: above this, w < 2.2.
+// (o + f) / direct light is 2 / w for a pixel that averages over w cells: above this, w < 2.2.
 constexpr double kLeastMeanStrength = 0.9;
 constexpr double kPriorPixels = 64;
 // Part of a cell in which pixels look alike, beyond which edges are looked for in neighbours.
 constexpr double kWidePart = 0.15;
 // Steps between neighbours that are steeper than this many projector pixels belong to no surface.
-constexpr int kMaxStepPx = 8;
+constexpr int kMaxStepPx = 4;
 
 /// Frames of an axis as the kernel wants them, finest bit first.
 template <typename T>
@@ -121,8 +121,9 @@ NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   std::array<float, 32> squares{};
   size_t count = 0;
   const float white = LinearValue(planes.white[p]), black = LinearValue(planes.black[p]);
-  for (const T* pattern : planes.pattern) {
-    const float v = LinearValue(pattern[p]);
+  // Most pixels see an edge of the finest bits.
+  for (size_t i = planes.pattern.size() > 4 ? 2 : 0; i < planes.pattern.size(); ++i) {
+    const float v = LinearValue(planes.pattern[i][p]);
     if (2 * v > white + black) squares[count++] = (v - white) * (v - white) / 2;
   }
   if (count == 0) return {white, NAN};
@@ -181,7 +182,7 @@ CellStatistics SampleCells(const AxisPlanes<T>& planes, int left_out, const Gray
       const size_t interval = std::min<size_t>(kGrayIntervals - 1, static_cast<size_t>(at));
       statistics.histogram[interval] += 1;
       statistics.pixels += 1;
-      statistics.mean_strength += std::min(reading.strength[i], 2.0F);
+      statistics.mean_strength += std::min(reading.strength[i] / reading.direct[i], 2.0F);
     }
   }
   statistics.mean_strength /= std::max(1.0, statistics.pixels);
@@ -206,7 +207,8 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
     GrayInterval& interval = placing.intervals[i];
     interval.place = static_cast<float>(before + alike / 2);
     interval.slope = static_cast<float>(even / kWidth);
-    interval.spread = static_cast<float>((alike * alike + mass[i] * mass[i]) / 12);
+    // The shares themselves are counted; even phases count far better than chance.
+    interval.spread = static_cast<float>(alike * alike / 12 + 0.05 / (statistics.pixels + 1));
     before += mass[i];
     widest = std::max(widest, alike);
   }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "scan/frame_noise.h"
+#include "scan/neighbour_check.h"
 #include "scan/period_choice.h"
 #include "scan/phase_fit.h"
 
@@ -242,6 +243,7 @@ AxisCoordinates DecodePhaseAxis(const FramePlanes& planes, const AxisFrames& fra
     const Block block = reader.Read(begin);
     for (size_t i = 0; i < block.count; ++i) decoder.Decode(block, i, out);
   }
+  RejectContradicted(planes.width(), planes.height(), frames.phases.front().period_px / 2.0, out);
   return out;
 }
 

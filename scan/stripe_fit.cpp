@@ -28,6 +28,41 @@ double Centroid(const StripeSamples& s, double base, double width_px) {
   return s.first_px + top * s.step_px + (sum > 0 ? moment / sum : 0);
 }
 
+/// Where noise cannot say which of many positions is right (no moment falls on the edge of a box),
+/// curvature at the best one says nothing: mean and spread of all positions within a step, each as
+/// likely as its residuals, base and height held.
+void SpreadOverStep(const StripeModel& model, const StripeSamples& samples, const FrameNoise& noise,
+                    StripeFit& fit) {
+  constexpr int kSide = 12;
+  double sum = 0, mean = 0, square = 0, least = 0;
+  double cost[2 * kSide + 1];
+  for (int g = -kSide; g <= kSide; ++g) {
+    const double at = fit.position + g * samples.step_px / (1.5 * kSide);
+    double& c = cost[g + kSide];
+    c = 0;
+    for (int i = 0; i < samples.count; ++i) {
+      const double offset = at - (samples.first_px + i * samples.step_px);
+      const double predicted = fit.base + fit.height * model.At(offset).value;
+      const double residual = samples.values[i] - predicted;
+      c += residual * residual / noise.Variance(predicted);
+    }
+    least = g == -kSide ? c : std::min(least, c);
+  }
+  for (int g = -kSide; g <= kSide; ++g) {
+    const double weight = std::exp(-0.5 * (cost[g + kSide] - least));
+    sum += weight;
+    mean += weight * g;
+    square += weight * g * g;
+  }
+  mean /= sum;
+  const double spacing = samples.step_px / (1.5 * kSide);
+  const double sigma = spacing * std::sqrt(std::max(0.0, square / sum - mean * mean));
+  // Narrower than the grid resolves, the curvature is right.
+  if (sigma < spacing) return;
+  fit.position += mean * spacing;
+  fit.sigma = sigma;
+}
+
 }  // namespace
 
 StripeModel::Value StripeModel::At(double u) const {
@@ -73,6 +108,8 @@ std::optional<StripeFit> FitStripe(const StripeModel& model, const StripeSamples
       cost += weight * residual * residual;
     }
     fit.misfit = cost / (samples.count - 3);
+    // A box may lie so that its position, to first order, changes nothing.
+    normal(2, 2) += 1 / (model.width_px * model.width_px);
     const Eigen::FullPivLU<Eigen::Matrix3d> solver(normal);
     if (!solver.isInvertible()) return std::nullopt;
     const Eigen::Vector3d step = solver.solve(right);
@@ -89,6 +126,7 @@ std::optional<StripeFit> FitStripe(const StripeModel& model, const StripeSamples
   const double variance = normal.inverse()(2, 2);
   if (!(variance > 0) || !std::isfinite(variance)) return std::nullopt;
   fit.sigma = std::sqrt(variance);
+  if (model.profile == StripeProfile::kBox) SpreadOverStep(model, samples, noise, fit);
   return fit;
 }
 

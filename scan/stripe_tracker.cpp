@@ -92,7 +92,8 @@ void StripeTracker::JudgeBin(int bin) {
 StripeTracker::Moment StripeTracker::At(size_t pixel) const {
   Moment moment;
   moment.peak = peak_[pixel];
-  if (moment.peak < 0 || !std::isfinite(best_[pixel])) {
+  if (moment.peak < 0 || !std::isfinite(best_[pixel]) || !std::isfinite(darkest_[pixel]) ||
+      rival_[pixel] == -kNothing) {
     moment.peak = -1;
     return moment;
   }

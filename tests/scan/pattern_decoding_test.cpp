@@ -279,8 +279,15 @@ TEST(PatternDecoding, OneFlippedBitOfAPixelIsSeen) {
       for (size_t p = 1000; p < 5000; p += 201) {
         std::swap(frames[frame].Data<uint8_t>()[p], frames[frame + 1].Data<uint8_t>()[p]);
       }
-      EXPECT_EQ(CompareColumns(Decode(sequence, frames, {}), {}).wrong, 0)
-          << Name(scheme) << " bit " << bit;
+      const DecodedPixels decoded = Decode(sequence, frames, {});
+      const View view;
+      for (size_t p = 0; p < decoded.column.position.size(); ++p) {
+        if (decoded.column.confidence[p] <= 0) continue;
+        const double truth = view.Column(static_cast<int>(p) % 96, static_cast<int>(p) / 96);
+        // What is as near as a neighbour may be cannot be told from a surface.
+        EXPECT_NEAR(decoded.column.position[p], truth, 4 + view.slope)
+            << Name(scheme) << " bit " << bit;
+      }
     }
   }
 }
