@@ -9,9 +9,10 @@
 // between white and black, as its decode() does, and 5 between pattern and inverse). A pixel is
 // wrong when it is decoded more than 3/4 of a projector pixel, in column or row, from everything
 // lit that it sees (whole-pixel answers are right up to 1/2); missed when its centre is lit and it
-// is not decoded. Pixels on depth edges and shadow borders count as well. Times are the least of several runs that alternate: CPU
-// seconds of one thread, and, since Decode takes columns and rows in parallel while OpenCV has no
-// parallel form, time on the clock with all threads. Run build/release/bench/lfm-bench-scan.
+// is not decoded. Pixels on depth edges and shadow borders count as well. Times are the least of
+// several runs that alternate: CPU seconds of one thread, and, since Decode takes columns and rows
+// in parallel while OpenCV has no parallel form, time on the clock with all threads. Run
+// build/release/bench/lfm-bench-scan.
 #include <malloc.h>
 
 #include <algorithm>
@@ -95,8 +96,8 @@ Truth MakeTruth() {
     for (int x = 0; x < kWidth; ++x) {
       truth.centers.push_back(SceneAt(x, y));
       for (int s = 0; s < kSide * kSide; ++s) {
-        truth.samples.push_back(SceneAt(x - 0.5 + (s % kSide + 0.5) / kSide,
-                                  y - 0.5 + (s / kSide + 0.5) / kSide));
+        truth.samples.push_back(
+            SceneAt(x - 0.5 + (s % kSide + 0.5) / kSide, y - 0.5 + (s / kSide + 0.5) / kSide));
       }
     }
   }
@@ -173,8 +174,7 @@ int Main() {
   // White and black stand first here; OpenCV wants the pairs alone.
   std::vector<cv::Mat> pairs;
   for (size_t i = 2; i < frames.size(); ++i) {
-    pairs.emplace_back(kHeight, kWidth, CV_8UC1,
-                       const_cast<uint8_t*>(frames[i].Data<uint8_t>()));
+    pairs.emplace_back(kHeight, kWidth, CV_8UC1, const_cast<uint8_t*>(frames[i].Data<uint8_t>()));
   }
   cv::structured_light::GrayCodePattern::Params params;
   params.width = kProjectorWidth;
@@ -213,7 +213,8 @@ int Main() {
     const int swing = frames[0].Data<uint8_t>()[p] - frames[1].Data<uint8_t>()[p];
     Score(truth, p, !failed[p] && swing > kPeersShadowLevels, found[p].x, found[p].y, their_count);
   }
-  std::printf("Gray code, %zu frames of %d x %d; CPU time of one thread\n", frames.size(), kWidth, kHeight);
+  std::printf("Gray code, %zu frames of %d x %d; CPU time of one thread\n", frames.size(), kWidth,
+              kHeight);
   Print("lfm::Decode", ours, our_count);
   Print("OpenCV getProjPixel", theirs, their_count);
   std::printf("ratio %.1f in CPU time, %.1f on the clock (aim 30); wrong %d against %d\n",

@@ -19,8 +19,7 @@ namespace {
 
 AxisFrames CollectAxis(const PatternSequence& sequence, PatternAxis axis) {
   AxisFrames frames;
-  frames.size =
-      axis == PatternAxis::kColumn ? sequence.projector_width : sequence.projector_height;
+  frames.size = axis == PatternAxis::kColumn ? sequence.projector_width : sequence.projector_height;
   frames.bits = GrayBits(sequence, axis);
   std::map<int, int> gray, inverse, stripes;
   std::map<int, std::map<int, int>> phases;
@@ -80,7 +79,8 @@ void RequireUnambiguous(const AxisFrames& frames, const char* axis) {
   const int reach = frames.gray.empty() ? frames.size : std::min(frames.size, frames.CellPx());
   if (LeastPhaseDifference(frames, reach) >= kLeastTurn) return;
   throw Error(std::string("the ") + axis + " phase patterns repeat before " +
-              std::to_string(reach) + " pixels, and no other pattern tells the repetitions apart: "
+              std::to_string(reach) +
+              " pixels, and no other pattern tells the repetitions apart: "
               "add Gray code of all bits, or a period at least as long as the picture");
 }
 

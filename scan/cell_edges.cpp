@@ -19,11 +19,11 @@ struct Line {
 
 /// Where a stripe's edge crosses a line, between two neighbouring pixels.
 struct Edge {
-  int left = 0;                     ///< the pixel before it
+  int left = 0;                            ///< the pixel before it
   double from_left = 0, from_right = 0;    ///< distances to it, cells, as the pixels say
   double sigma_left = 0, sigma_right = 0;  ///< of these
-  double column = 0;                ///< projector coordinate
-  double place = 0, sigma_px = 0;   ///< along the line, pixels
+  double column = 0;                       ///< projector coordinate
+  double place = 0, sigma_px = 0;          ///< along the line, pixels
 };
 
 double MeanStep(const Line& line, const AxisCoordinates& c, double max_step, double& count) {
@@ -93,8 +93,7 @@ void Locate(double cells_per_px, Edge& edge) {
   const bool left = edge.sigma_left < edge.sigma_right;
   const double sigma = per_cell * (left ? edge.sigma_left : edge.sigma_right);
   edge.sigma_px = std::min(sigma, 1 / std::sqrt(12.0));
-  const double place =
-      left ? edge.from_left * per_cell : 1 - edge.from_right * per_cell;
+  const double place = left ? edge.from_left * per_cell : 1 - edge.from_right * per_cell;
   edge.place = edge.left + (sigma < 1 / std::sqrt(12.0) ? std::clamp(place, 0.0, 1.0) : 0.5);
 }
 

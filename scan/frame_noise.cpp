@@ -28,7 +28,8 @@ std::vector<Group> MakeGroups(std::vector<NoiseSample>& samples, int freedom) {
   std::vector<Group> groups;
   for (size_t g = 0; g < count; ++g) {
     const auto begin = samples.begin() + static_cast<std::ptrdiff_t>(g * samples.size() / count);
-    const auto end = samples.begin() + static_cast<std::ptrdiff_t>((g + 1) * samples.size() / count);
+    const auto end =
+        samples.begin() + static_cast<std::ptrdiff_t>((g + 1) * samples.size() / count);
     const auto middle = begin + (end - begin) / 2;
     Group group;
     group.mean = middle->mean;

@@ -9,9 +9,7 @@ namespace lfm {
 /// out and 8-bit levels the offset (Janesick, Photon Transfer, 2007).
 struct FrameNoise {
   double offset = 1e-6, slope = 0;
-  double Variance(double linear) const {
-    return offset + slope * (linear > 0 ? linear : 0);
-  }
+  double Variance(double linear) const { return offset + slope * (linear > 0 ? linear : 0); }
 };
 
 /// A variance that was seen at a mean value, from `freedom` degrees of freedom.

@@ -106,8 +106,7 @@ NoiseSample PairNoise(const AxisPlanes<T>& planes, size_t p) {
   double sum = 0, squares = 0;
   const double center = LinearValue(planes.pattern[0][p]) + LinearValue(planes.inverse[0][p]);
   for (size_t i = 0; i < planes.pattern.size(); ++i) {
-    const double v =
-        LinearValue(planes.pattern[i][p]) + LinearValue(planes.inverse[i][p]) - center;
+    const double v = LinearValue(planes.pattern[i][p]) + LinearValue(planes.inverse[i][p]) - center;
     sum += v;
     squares += v * v;
   }
@@ -115,20 +114,23 @@ NoiseSample PairNoise(const AxisPlanes<T>& planes, size_t p) {
   return {static_cast<float>((center + sum / bits) / 2), static_cast<float>(variance / 2)};
 }
 
-/// A frame without inverse is white or black but near its edges; the median leaves those out.
+/// A frame without inverse is white or black but near its edges; the median leaves those out. One
+/// pixel speaks for bright frames, the next for dark ones.
 template <typename T>
 NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   std::array<float, 32> squares{};
   size_t count = 0;
   const float white = LinearValue(planes.white[p]), black = LinearValue(planes.black[p]);
+  const bool bright = (p / kNoiseStride) % 2 == 0;
+  const float level = bright ? white : black;
   // Most pixels see an edge of the finest bits.
   for (size_t i = planes.pattern.size() > 4 ? 2 : 0; i < planes.pattern.size(); ++i) {
     const float v = LinearValue(planes.pattern[i][p]);
-    if (2 * v > white + black) squares[count++] = (v - white) * (v - white) / 2;
+    if ((2 * v > white + black) == bright) squares[count++] = (v - level) * (v - level) / 2;
   }
-  if (count == 0) return {white, NAN};
+  if (count == 0) return {level, NAN};
   std::nth_element(squares.begin(), squares.begin() + count / 2, squares.begin() + count);
-  return {white, squares[count / 2]};
+  return {level, squares[count / 2]};
 }
 
 /// Blocks that stand for all, evenly spread.
@@ -136,7 +138,8 @@ std::vector<size_t> SampleBlocks(size_t pixels) {
   const size_t blocks = (pixels + kGrayBlock - 1) / kGrayBlock;
   const size_t count = std::min(blocks, kSampleBlocks);
   std::vector<size_t> begins;
-  for (size_t i = 0; i < count; ++i) begins.push_back((2 * i + 1) * blocks / (2 * count) * kGrayBlock);
+  for (size_t i = 0; i < count; ++i)
+    begins.push_back((2 * i + 1) * blocks / (2 * count) * kGrayBlock);
   return begins;
 }
 

@@ -13,7 +13,7 @@ namespace lfm {
 /// How the projector lights each camera pixel, and where it is worth decoding.
 struct PixelLight {
   std::vector<float> white, contrast;  ///< linear; contrast = white - black
-  std::vector<uint8_t> usable;                ///< lit, finite, not saturated
+  std::vector<uint8_t> usable;         ///< lit, finite, not saturated
 };
 
 /// Gray code alone, with or without inverses, to a fraction of a pixel.

@@ -261,10 +261,9 @@ LFM_INLINE void Place(const GrayReading& reading, const GrayPlacing& placing,
     const float weakest = reading.weakest[i], strength = reading.strength[i];
     const float direct = reading.direct[i];
     slope[i] = Clamped(weakest * 1.25F, 0, 1) * Clamped(strength, 0, 1);
-    interval[i] = -(static_cast<int32_t>(weakest >= min_weakest) &
-                    static_cast<int32_t>(direct >= min_direct) &
-                    static_cast<int32_t>(strength >= min_strength) &
-                    static_cast<int32_t>(place[i] < last));
+    interval[i] = -(
+        static_cast<int32_t>(weakest >= min_weakest) & static_cast<int32_t>(direct >= min_direct) &
+        static_cast<int32_t>(strength >= min_strength) & static_cast<int32_t>(place[i] < last));
   }
   for (int i = 0; i < count; ++i) {
     const int32_t good = interval[i] & -static_cast<int32_t>(usable[i] != 0);
@@ -284,23 +283,23 @@ struct Kernels {
   void (*reject)(long, long, float, uint32_t*, float*, float*, float*);
 };
 
-#define LFM_COMPILE_KERNELS(NAME, TARGET)                                                       \
-  TARGET void ReadBytes##NAME(const GrayPlanes<uint8_t>& p, const GrayNoise& n, const float* c, \
-                              long begin, int count, GrayReading& r) {                          \
-    Read(p, n, c, begin, count, r);                                                             \
-  }                                                                                             \
-  TARGET void ReadFloats##NAME(const GrayPlanes<float>& p, const GrayNoise& n, const float* c,  \
-                               long begin, int count, GrayReading& r) {                         \
-    Read(p, n, c, begin, count, r);                                                             \
-  }                                                                                             \
-  TARGET void Place##NAME(const GrayReading& r, const GrayPlacing& g, const uint8_t* usable,    \
-                          int count, float* position, float* sigma, float* confidence) {        \
-    Place(r, g, usable, count, position, sigma, confidence);                                    \
-  }                                                                                             \
-  TARGET void Reject##NAME(long width, long height, float reach, uint32_t* kept,                \
-                           float* position, float* sigma, float* confidence) {                  \
-    Reject(width, height, reach, kept, position, sigma, confidence);                            \
-  }                                                                                             \
+#define LFM_COMPILE_KERNELS(NAME, TARGET)                                                         \
+  TARGET void ReadBytes##NAME(const GrayPlanes<uint8_t>& p, const GrayNoise& n, const float* c,   \
+                              long begin, int count, GrayReading& r) {                            \
+    Read(p, n, c, begin, count, r);                                                               \
+  }                                                                                               \
+  TARGET void ReadFloats##NAME(const GrayPlanes<float>& p, const GrayNoise& n, const float* c,    \
+                               long begin, int count, GrayReading& r) {                           \
+    Read(p, n, c, begin, count, r);                                                               \
+  }                                                                                               \
+  TARGET void Place##NAME(const GrayReading& r, const GrayPlacing& g, const uint8_t* usable,      \
+                          int count, float* position, float* sigma, float* confidence) {          \
+    Place(r, g, usable, count, position, sigma, confidence);                                      \
+  }                                                                                               \
+  TARGET void Reject##NAME(long width, long height, float reach, uint32_t* kept, float* position, \
+                           float* sigma, float* confidence) {                                     \
+    Reject(width, height, reach, kept, position, sigma, confidence);                              \
+  }                                                                                               \
   constexpr Kernels k##NAME = {ReadBytes##NAME, ReadFloats##NAME, Place##NAME, Reject##NAME};
 
 LFM_COMPILE_KERNELS(Baseline, )

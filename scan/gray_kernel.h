@@ -8,7 +8,7 @@
 /// whatever the instruction set: results are the same on every machine.
 namespace lfm::kernels {
 
-constexpr int kGrayBlock = 256;  ///< pixels that one call handles at most
+constexpr int kGrayBlock = 256;     ///< pixels that one call handles at most
 constexpr int kGrayIntervals = 33;  ///< odd: cells that no edge cuts have one of their own
 
 /// Frames of one axis, the finest bit first. T is uint8_t (sRGB-coded) or float (linear).

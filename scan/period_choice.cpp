@@ -87,8 +87,8 @@ std::optional<ChosenPeriod> PeriodChooser::Choose(double fraction_px,
     const float* sines = &sines_[j * scores_.size()];
     for (size_t k = 0; k < scores_.size(); ++k) scores_[k] += c * cosines[k] + s * sines[k];
   }
-  const size_t valid = std::min(
-      scores_.size(), static_cast<size_t>(std::ceil((size_ - fraction_px) / period_px_)));
+  const size_t valid =
+      std::min(scores_.size(), static_cast<size_t>(std::ceil((size_ - fraction_px) / period_px_)));
   float best = -std::numeric_limits<float>::infinity(), second = best;
   size_t found = 0;
   for (size_t k = 0; k < valid; ++k) {

@@ -26,8 +26,8 @@ struct ChosenPeriod {
 ///   L_k = 23 sum_i b_i s_i(x_k) + sum_j (cos(phi_j - 2 pi x_k / P_j) - 1) / s_j^2
 ///
 /// b_i are soft Gray bits and s_i(x) the code expected at x, which falls to 0 near the bit's edges,
-/// as far as code and phase may disagree; P_j are the longer periods, s_j^2 = variance_j + (h / 4)^2
-/// with h half the least phase difference between two candidates, so that errors that are no
+/// as far as code and phase may disagree; P_j are the longer periods, s_j^2 = variance_j + (h /
+/// 4)^2 with h half the least phase difference between two candidates, so that errors that are no
 /// noise (interreflection, the projector's curve) are allowed a quarter of what would mislead.
 class PeriodChooser {
  public:
@@ -42,8 +42,8 @@ class PeriodChooser {
 
   int size_ = 0, period_px_ = 0, candidates_ = 0, bits_ = 0, places_ = 0;
   double half_step_ = 0;
-  std::vector<float> bit_table_;           ///< [place][bit][candidate]
-  std::vector<float> cosines_, sines_;     ///< [longer period][candidate]
+  std::vector<float> bit_table_;        ///< [place][bit][candidate]
+  std::vector<float> cosines_, sines_;  ///< [longer period][candidate]
   std::vector<int> longer_;
   std::vector<float> scores_;
 };

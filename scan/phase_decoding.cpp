@@ -185,8 +185,7 @@ class PixelDecoder {
     const double certainty = std::clamp(chosen->margin / (0.8 * kLikelihoodPerBit), 0.0, 1.0);
     out.position[p] = static_cast<float>(chosen->position);
     out.sigma[p] = static_cast<float>(std::clamp(sigma, kLeastSigmaPx, period));
-    out.confidence[p] =
-        static_cast<float>(certainty * std::clamp(modulation / 0.8, 0.0, 1.0));
+    out.confidence[p] = static_cast<float>(certainty * std::clamp(modulation / 0.8, 0.0, 1.0));
   }
 
  private:

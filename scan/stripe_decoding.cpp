@@ -76,8 +76,8 @@ FrameNoise EstimateNoise(const StripeTracker& tracker, const std::vector<size_t>
       const double offset = fit->position - (seen.first_px + i * seen.step_px);
       const double value = fit->base + fit->height * model.At(offset).value;
       const double residual = seen.values[i] - value;
-      samples.push_back({static_cast<float>(value),
-                         static_cast<float>(residual * residual / freedom)});
+      samples.push_back(
+          {static_cast<float>(value), static_cast<float>(residual * residual / freedom)});
     }
   }
   return FitFrameNoise(std::move(samples), 1);

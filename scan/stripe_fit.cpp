@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMaxIterations = 12;
 constexpr double kSettledPx = 1e-4;
+// A box is placed by its edges alone, and real edges are no Gaussian's integral: a pixel is square.
+constexpr double kEdgeShape = 0.08;
 
 /// Start: the brightness' centre of gravity about the brightest value.
 double Centroid(const StripeSamples& s, double base, double width_px) {
@@ -126,7 +128,10 @@ std::optional<StripeFit> FitStripe(const StripeModel& model, const StripeSamples
   const double variance = normal.inverse()(2, 2);
   if (!(variance > 0) || !std::isfinite(variance)) return std::nullopt;
   fit.sigma = std::sqrt(variance);
-  if (model.profile == StripeProfile::kBox) SpreadOverStep(model, samples, noise, fit);
+  if (model.profile == StripeProfile::kBox) {
+    SpreadOverStep(model, samples, noise, fit);
+    fit.sigma = std::hypot(fit.sigma, kEdgeShape * model.blur_px);
+  }
   return fit;
 }
 

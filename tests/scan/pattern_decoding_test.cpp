@@ -18,9 +18,16 @@ using testing::CompareColumns;
 using testing::SeenFrames;
 using testing::View;
 
-enum class Scheme { kGray, kGrayWithoutInverses, kGrayPhase, kMultiPhase, kStripeGauss, kStripeBox };
-constexpr Scheme kSchemes[] = {Scheme::kGray,       Scheme::kGrayWithoutInverses,
-                               Scheme::kGrayPhase,  Scheme::kMultiPhase,
+enum class Scheme {
+  kGray,
+  kGrayWithoutInverses,
+  kGrayPhase,
+  kMultiPhase,
+  kStripeGauss,
+  kStripeBox
+};
+constexpr Scheme kSchemes[] = {Scheme::kGray,        Scheme::kGrayWithoutInverses,
+                               Scheme::kGrayPhase,   Scheme::kMultiPhase,
                                Scheme::kStripeGauss, Scheme::kStripeBox};
 
 const char* Name(Scheme scheme) {
@@ -50,7 +57,7 @@ PatternSequence MakeSequence(Scheme scheme, int width = 256, int steps = 8) {
 }
 
 ColumnErrors Errors(const PatternSequence& sequence, const View& view) {
-  return CompareColumns(Decode(sequence, SeenFrames(sequence, view), {}), view);
+  return CompareColumns(Decode(sequence, SeenFrames(sequence, view), DecodeOptions{}), view);
 }
 
 void ExpectNothing(const DecodedPixels& decoded) {
@@ -65,7 +72,8 @@ TEST(PatternDecoding, EveryPatternIsSubPixelAndItsSigmaIsTheError) {
     const ColumnErrors errors = Errors(MakeSequence(scheme), {});
     std::printf("%-28s %.4f px RMS, chi2 %.2f, %.1f %% decoded\n", Name(scheme), errors.rms,
                 errors.normalized, 100 * errors.coverage);
-    EXPECT_LT(errors.rms, 0.06) << Name(scheme);
+    // A box of three steps' width often has no frame on its edge.
+    EXPECT_LT(errors.rms, scheme == Scheme::kStripeBox ? 0.1 : 0.05) << Name(scheme);
     EXPECT_GT(errors.coverage, 0.98) << Name(scheme);
     EXPECT_EQ(errors.wrong, 0) << Name(scheme);
     EXPECT_GT(errors.normalized, 0.6) << Name(scheme);
@@ -81,7 +89,7 @@ TEST(PatternDecoding, SigmaFollowsTheNoise) {
     const ColumnErrors errors = Errors(MakeSequence(scheme), view);
     EXPECT_GT(errors.normalized, 0.6) << Name(scheme);
     EXPECT_LT(errors.normalized, 1.6) << Name(scheme);
-    EXPECT_LT(errors.wrong, 0.002) << Name(scheme);
+    EXPECT_LT(errors.wrong, 0.005) << Name(scheme);
   }
 }
 
@@ -184,8 +192,8 @@ TEST(PatternDecoding, ThreePeriodsWithoutCommonMeasureNeedNoLongOne) {
 }
 
 TEST(PatternDecoding, WhiteAndBlackMayBeMissingWhereOtherFramesShowThem) {
-  for (const Scheme scheme : {Scheme::kGray, Scheme::kGrayPhase, Scheme::kMultiPhase,
-                              Scheme::kStripeGauss}) {
+  for (const Scheme scheme :
+       {Scheme::kGray, Scheme::kGrayPhase, Scheme::kMultiPhase, Scheme::kStripeGauss}) {
     PatternSequence sequence = MakeSequence(scheme);
     sequence.patterns.erase(sequence.patterns.begin(), sequence.patterns.begin() + 2);
     const ColumnErrors errors = Errors(sequence, {});
@@ -209,8 +217,9 @@ TEST(PatternDecoding, MissingFineBitsMakeCellsWider) {
 
 TEST(PatternDecoding, PeriodsThatRepeatUnnoticedAreRefused) {
   PatternSequence sequence = MakeSequence(Scheme::kGrayPhase);
-  std::erase_if(sequence.patterns, [](const Pattern& p) { return p.kind == PatternKind::kGray ||
-                                                                 p.kind == PatternKind::kGrayInverse; });
+  std::erase_if(sequence.patterns, [](const Pattern& p) {
+    return p.kind == PatternKind::kGray || p.kind == PatternKind::kGrayInverse;
+  });
   try {
     RequireComplete(sequence);
     ADD_FAILURE();

@@ -75,8 +75,8 @@ inline std::vector<Image> SeenFrames(const PatternSequence& sequence, const View
   std::vector<std::vector<std::pair<int, double>>> shares(pixels);
   const int reach = static_cast<int>(std::ceil(view.slope / 2 + 4 * view.blur_px)) + 1;
   for (size_t p = 0; p < pixels; ++p) {
-    const double column = view.Column(static_cast<int>(p) % view.width,
-                                      static_cast<int>(p) / view.width);
+    const double column =
+        view.Column(static_cast<int>(p) % view.width, static_cast<int>(p) / view.width);
     const int middle = static_cast<int>(std::lround(column));
     for (int k = middle - reach; k <= middle + reach; ++k) {
       if (k < 0 || k >= sequence.projector_width) continue;
@@ -121,9 +121,8 @@ inline ColumnErrors CompareColumns(const DecodedPixels& decoded, const View& vie
   for (size_t p = 0; p < pixels; ++p) {
     if (decoded.column.confidence[p] <= 0) continue;
     count += 1;
-    const double error =
-        decoded.column.position[p] - view.Column(static_cast<int>(p) % view.width,
-                                                 static_cast<int>(p) / view.width);
+    const double error = decoded.column.position[p] - view.Column(static_cast<int>(p) % view.width,
+                                                                  static_cast<int>(p) / view.width);
     if (!(std::abs(error) < 1)) {
       errors.wrong += 1;
       continue;
