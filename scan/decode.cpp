@@ -2,6 +2,7 @@
 #include "scan/decode.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -112,8 +113,10 @@ class SequenceDecoder {
     light.contrast.resize(pixels);
     light.usable.resize(pixels);
     constexpr size_t kBlock = 1024;
-    std::vector<float> black(kBlock);
-    for (size_t begin = 0; begin < pixels; begin += kBlock) {
+    const auto blocks = static_cast<int64_t>((pixels + kBlock - 1) / kBlock);
+    ParallelFor(0, blocks, [&](int64_t block) {
+      std::array<float, kBlock> black;
+      const size_t begin = static_cast<size_t>(block) * kBlock;
       const size_t count = std::min(kBlock, pixels - begin);
       float* white = &light.white[begin];
       ReadLight(frames_.white, range_.high, begin, count, white);
@@ -127,7 +130,7 @@ class SequenceDecoder {
             static_cast<uint8_t>(finite & (contrast >= options_.min_contrast) & (contrast > 0) &
                                  (saturated_[begin + i] == 0));
       }
-    }
+    });
     const std::vector<uint8_t>& clipped = planes_.saturated();
     for (size_t p = 0; p < clipped.size(); ++p) light.usable[p] &= clipped[p] ? 0 : 1;
     return light;

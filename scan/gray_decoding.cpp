@@ -20,8 +20,8 @@ using kernels::GrayReading;
 using kernels::kGrayBlock;
 using kernels::kGrayIntervals;
 
-constexpr size_t kSampleBlocks = 96;
-constexpr size_t kNoiseStride = 8;
+constexpr size_t kSampleBlocks = 48;
+constexpr size_t kNoiseStride = 16;
 // (o + f) / direct light is 2 / w for a pixel that averages over w cells: above this, w < 2.2.
 constexpr double kLeastMeanStrength = 0.9;
 constexpr double kPriorPixels = 64;

@@ -84,6 +84,7 @@ struct BitState {
 template <typename T>
 LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long begin, int count, BitState<T>& s) {
   using Mask = typename BitState<T>::Mask;
+  constexpr bool kBytes = sizeof(T) == 1;
   const T* white = planes.white + begin;
   const T* black = planes.black + begin;
   const T* p = planes.pattern[0] + begin;
@@ -125,7 +126,12 @@ LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long begin, int count, Bit
       s.weak[i] = Select(weaker, apart, s.weak[i]);
       s.done[i] |= take;
       s.seen[i] |= on;
-      s.worst[i] = Worse(s.worst[i], Unfit(lit, dark));
+      if constexpr (!kBytes) s.worst[i] = Worse(s.worst[i], Unfit(lit, dark));
+    }
+  }
+  if constexpr (kBytes) {
+    for (int i = 0; i < count; ++i) {
+      s.worst[i] = Worse(s.worst[i], Unfit(s.other_p[i], s.other_q[i]));
     }
   }
 }
@@ -184,23 +190,31 @@ LFM_INLINE void Read(const GrayPlanes<T>& planes, const GrayNoise& noise, const 
   }
 }
 
+LFM_INLINE uint32_t IsNear(float a, float b, float reach) {
+  return static_cast<uint32_t>(__builtin_fabsf(a - b) <= reach);
+}
+
 // Which pixels of a row have a neighbour within `reach`. Rows above and below may be absent.
 LFM_INLINE void MarkNeighbours(const float* above, const float* row, const float* below, long width,
                                float reach, uint32_t* __restrict kept) {
-  for (long x = 0; x < width; ++x) kept[x] = 0;
-  for (long x = 1; x < width; ++x) {
-    kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - row[x - 1]) <= reach);
+  // An absent row is asked for by the other one; without any, the pixels beside are asked twice.
+  const float* up = above != nullptr ? above : below != nullptr ? below : row - 1;
+  const float* down = below != nullptr ? below : above != nullptr ? above : row + 1;
+  for (long x = 1; x < width - 1; ++x) {
+    const float here = row[x];
+    const uint32_t near = IsNear(here, row[x - 1], reach) | IsNear(here, row[x + 1], reach) |
+                          IsNear(here, up[x], reach) | IsNear(here, down[x], reach);
+    kept[x] = near & static_cast<uint32_t>(here > kNowhere);
   }
-  for (long x = 0; x < width - 1; ++x) {
-    kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - row[x + 1]) <= reach);
+  for (long end = 0; end < 2; ++end) {
+    const long x = end * (width - 1);
+    uint32_t near = 0;
+    if (x > 0) near |= IsNear(row[x], row[x - 1], reach);
+    if (x + 1 < width) near |= IsNear(row[x], row[x + 1], reach);
+    if (above != nullptr) near |= IsNear(row[x], above[x], reach);
+    if (below != nullptr) near |= IsNear(row[x], below[x], reach);
+    kept[x] = near & static_cast<uint32_t>(row[x] > kNowhere);
   }
-  const float* const others[2] = {above, below};
-  for (const float* other : others) {
-    for (long x = 0; other != nullptr && x < width; ++x) {
-      kept[x] |= static_cast<uint32_t>(__builtin_fabsf(row[x] - other[x]) <= reach);
-    }
-  }
-  for (long x = 0; x < width; ++x) kept[x] &= static_cast<uint32_t>(row[x] > kNowhere);
 }
 
 LFM_INLINE void Clear(const uint32_t* kept, long width, float* __restrict position,

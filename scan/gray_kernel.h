@@ -37,7 +37,7 @@ struct GrayReading {
   uint16_t cell[kGrayBlock];
   float balance[kGrayBlock];   ///< (o - f) / (o + f): 1 on the finest bit's edge, -1 on the other's
   float variance[kGrayBlock];  ///< of `balance`
-  float strength[kGrayBlock];  ///< (o + f) / (white - black); 0 where a frame is at its ceiling
+  float strength[kGrayBlock];  ///< (o + f) / (white - black); 0 where what it is made of is clipped
   float weakest[kGrayBlock];   ///< least difference of all other bits / (white - black)
   /// Largest difference of three bits with narrow stripes / (white - black). Light that wandered
   /// between surfaces has seen both the bright and the dark stripes, so this is the share of light
