@@ -71,6 +71,20 @@ std::vector<float> Confidence(const PlyElement& vertices, const std::string& fil
   return confidence;
 }
 
+std::vector<float> Sigmas(const PlyElement& vertices, const std::string& file) {
+  const PlyProperty* column = vertices.Find("sigma_mm");
+  if (!column || column->count_type) return {};
+  std::vector<float> sigmas(column->values.begin(), column->values.end());
+  for (size_t i = 0; i < sigmas.size(); ++i) {
+    RequireFinite(sigmas[i], "sigma_mm", i, file);
+    if (!(sigmas[i] > 0)) {
+      throw Error(file + ": the sigma_mm of vertex " + std::to_string(i) +
+                  " is not positive; clean the data first");
+    }
+  }
+  return sigmas;
+}
+
 const PlyElement& Vertices(const PlyContent& content, const std::string& file) {
   const PlyElement* vertices = content.Find("vertex");
   if (!vertices) throw Error(file + ": the PLY file has no element 'vertex'");
@@ -153,16 +167,21 @@ void RequireLength(size_t length, size_t vertices, const char* what,
   }
 }
 
-std::string Header(const char* coordinate, size_t vertices, bool normals, bool confidence,
-                   bool colors) {
+/// Which optional properties a file's vertices have.
+struct Properties {
+  bool normals = false, confidence = false, sigma = false, colors = false;
+};
+
+std::string Header(const char* coordinate, size_t vertices, const Properties& has) {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   text += std::to_string(vertices) + "\n";
   for (const char* axis : {"x", "y", "z"}) {
     text += std::string("property ") + coordinate + " " + axis + "\n";
   }
-  if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
-  if (confidence) text += "property float confidence\n";
-  if (colors) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (has.normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (has.confidence) text += "property float confidence\n";
+  if (has.sigma) text += "property float sigma_mm\n";
+  if (has.colors) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text;
 }
 
@@ -213,6 +232,7 @@ PointCloud ReadPlyCloud(const std::filesystem::path& path) {
   cloud.points = Vectors(vertices, {"x", "y", "z"}, "position", file);
   cloud.normals = Vectors(vertices, {"nx", "ny", "nz"}, "normal", file);
   cloud.confidence = Confidence(vertices, file);
+  cloud.sigma_mm = Sigmas(vertices, file);
   return cloud;
 }
 
@@ -221,17 +241,18 @@ void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file) {
   RequireLength(mesh.normals.size(), count, "normals", file);
   RequireLength(mesh.confidence.size(), count, "confidences", file);
   RequireLength(mesh.colors.size(), count, "colours", file);
-  const bool normals = !mesh.normals.empty(), confidence = !mesh.confidence.empty();
-  const bool colors = !mesh.colors.empty();
+  const Properties has = {.normals = !mesh.normals.empty(),
+                          .confidence = !mesh.confidence.empty(),
+                          .colors = !mesh.colors.empty()};
   ByteWriter out(512 + count * 43 + mesh.triangles.size() * 13);
-  out.Text(Header("double", count, normals, confidence, colors));
+  out.Text(Header("double", count, has));
   out.Text("element face " + std::to_string(mesh.triangles.size()) +
            "\nproperty list uchar int vertex_indices\nend_header\n");
   for (size_t i = 0; i < count; ++i) {
     out.PutVector<double>(mesh.vertices[i]);
-    if (normals) out.PutVector<float>(mesh.normals[i]);
-    if (confidence) out.Put(mesh.confidence[i]);
-    if (colors) {
+    if (has.normals) out.PutVector<float>(mesh.normals[i]);
+    if (has.confidence) out.Put(mesh.confidence[i]);
+    if (has.colors) {
       for (int c = 0; c < 3; ++c) out.Put(ColorByte(mesh.colors[i][c]));
     }
   }
@@ -246,14 +267,18 @@ void WritePly(const PointCloud& cloud, const std::filesystem::path& file) {
   const size_t count = cloud.points.size();
   RequireLength(cloud.normals.size(), count, "normals", file);
   RequireLength(cloud.confidence.size(), count, "confidences", file);
-  const bool normals = !cloud.normals.empty(), confidence = !cloud.confidence.empty();
-  ByteWriter out(512 + count * 28);
-  out.Text(Header("float", count, normals, confidence, false));
+  RequireLength(cloud.sigma_mm.size(), count, "sigmas", file);
+  const Properties has = {.normals = !cloud.normals.empty(),
+                          .confidence = !cloud.confidence.empty(),
+                          .sigma = !cloud.sigma_mm.empty()};
+  ByteWriter out(512 + count * 32);
+  out.Text(Header("float", count, has));
   out.Text("end_header\n");
   for (size_t i = 0; i < count; ++i) {
     out.PutVector<float>(cloud.points[i]);
-    if (normals) out.PutVector<float>(cloud.normals[i]);
-    if (confidence) out.Put(cloud.confidence[i]);
+    if (has.normals) out.PutVector<float>(cloud.normals[i]);
+    if (has.confidence) out.Put(cloud.confidence[i]);
+    if (has.sigma) out.Put(cloud.sigma_mm[i]);
   }
   WriteFileAtomically(file, out.bytes());
 }

@@ -15,11 +15,12 @@ TriangleMesh ReadPlyMesh(const std::filesystem::path& file);
 /// Texture coordinates a vertex: properties s t, u v or texture_u texture_v; empty when there are
 /// none. Throws Error as ReadPlyMesh does.
 std::vector<Eigen::Vector2f> ReadPlyTextureCoordinates(const std::filesystem::path& file);
-/// Reads the vertices of a PLY file as a cloud; faces are ignored. An empty cloud is no error here.
+/// Reads the vertices of a PLY file as a cloud, with `sigma_mm` when there is such a property
+/// (Error where it is not positive); faces are ignored. An empty cloud is no error here.
 PointCloud ReadPlyCloud(const std::filesystem::path& file);
 
 /// Writes binary little-endian PLY atomically: float64 coordinates (clouds: float32), float32
-/// normals and confidence, 8-bit colours.
+/// normals, confidence and sigma_mm (clouds), 8-bit colours.
 void WritePly(const TriangleMesh& mesh, const std::filesystem::path& file);
 void WritePly(const PointCloud& cloud, const std::filesystem::path& file);
 

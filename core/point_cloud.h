@@ -11,6 +11,7 @@ struct PointCloud {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> normals;  ///< unit, towards the scanner
   std::vector<float> confidence;         ///< [0, 1]
+  std::vector<float> sigma_mm;           ///< standard deviation across the surface, mm, > 0
 };
 
 }  // namespace lfm

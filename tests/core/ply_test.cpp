@@ -58,11 +58,26 @@ TEST(Ply, CloudRoundTripsEvenWhenEmpty) {
   cloud.points = {{0.5, -2, 3}, {100.25, 0, 1}};
   cloud.normals = {{0, 0, 1}, {1, 0, 0}};
   cloud.confidence = {0.5f, 0.75f};
+  cloud.sigma_mm = {0.015625f, 2.0f};
   WritePly(cloud, folder / "a.ply");
   const PointCloud back = ReadPlyCloud(folder / "a.ply");
+  EXPECT_EQ(back.sigma_mm, cloud.sigma_mm);
   EXPECT_EQ(back.points, cloud.points);
   EXPECT_EQ(back.normals, cloud.normals);
   EXPECT_EQ(back.confidence, cloud.confidence);
+}
+
+TEST(Ply, SigmasThatAreNotPositiveAreRefused) {
+  const TestFolder folder;
+  PointCloud cloud;
+  cloud.points = {{0, 0, 0}};
+  for (const float bad : {0.0f, -1.0f, std::numeric_limits<float>::infinity()}) {
+    cloud.sigma_mm = {bad};
+    WritePly(cloud, folder / "a.ply");
+    ExpectError([&] { ReadPlyCloud(folder / "a.ply"); }, "sigma_mm of vertex 0");
+  }
+  cloud.sigma_mm = {1, 1};
+  ExpectError([&] { WritePly(cloud, folder / "a.ply"); }, "2 sigmas for 1", ErrorKind::kSystem);
 }
 
 TEST(Ply, WritingDataThatDoesNotFitIsOurFailure) {
