@@ -55,6 +55,11 @@ PosedImage MakePosedImage(const CalibPicture& picture, const BundleView& view, c
   posed.tags = picture.match.tags;
   posed.corners = static_cast<int>(picture.corners.size());
   posed.split = picture.split;
+  if (picture.kind != PictureKind::kPhoto) {
+    for (size_t i = 0; i < view.points.size(); ++i) {
+      posed.seen.push_back({view.points[i], view.pixels[i]});
+    }
+  }
   const CornerStatistics statistics = ComputeCornerStatistics(camera, {view}, 0);
   posed.reprojection_rms_px =
       std::sqrt(statistics.squared_px2 / static_cast<double>(statistics.corners));

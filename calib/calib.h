@@ -15,6 +15,12 @@
 
 namespace lfm {
 
+/// A corner of the platform that a picture shows.
+struct SeenCorner {
+  Eigen::Vector3d point_in_world = {0, 0, 0};  ///< as printed, mm
+  Eigen::Vector2d pixel = {0, 0};
+};
+
 /// One picture whose camera pose is known.
 struct PosedImage {
   std::string id;
@@ -27,6 +33,9 @@ struct PosedImage {
   int tags = 0, corners = 0;       ///< found; corners used in the fit
   double reprojection_rms_px = 0;  ///< sqrt(mean(dx^2 + dy^2)) over inliers
   PhotoSplit split = PhotoSplit::kTrain;
+  /// The corners used, of scans and placements: the scanner's rig is adjusted to them together with
+  /// what its projector shows. Photographs list none.
+  std::vector<SeenCorner> seen;
 };
 
 struct RejectedImage {

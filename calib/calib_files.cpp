@@ -15,6 +15,15 @@ namespace {
 constexpr int kMaxCount = 1000000000;
 constexpr int kMaxSide = 65536;
 
+nlohmann::json SeenToJson(const std::vector<SeenCorner>& seen) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const SeenCorner& c : seen) {
+    const Eigen::Vector3d& p = c.point_in_world;
+    rows.push_back({p.x(), p.y(), p.z(), c.pixel.x(), c.pixel.y()});
+  }
+  return rows;
+}
+
 nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
   nlohmann::json list = nlohmann::json::array();
   for (const PosedImage& image : images) {
@@ -32,6 +41,7 @@ nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
                     {"tags", image.tags},
                     {"corners", image.corners},
                     {"reprojection_rms_px", image.reprojection_rms_px}});
+    if (!image.seen.empty()) list.back()["seen"] = SeenToJson(image.seen);
   }
   return list;
 }
@@ -55,6 +65,11 @@ PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Ca
   image.corners = reader.Integer("corners", 0, kMaxCount);
   image.reprojection_rms_px = reader.Number("reprojection_rms_px");
   if (image.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
+  if (reader.Has("seen")) {
+    for (const std::vector<double>& row : reader.NumberRows("seen", 5)) {
+      image.seen.push_back({{row[0], row[1], row[2]}, {row[3], row[4]}});
+    }
+  }
   reader.Finish();
   return image;
 }
