@@ -112,18 +112,34 @@ StageJob CalibJob(const Run& run) {
           }};
 }
 
+int64_t ScansOnTurntables(const ScanResult& result) {
+  int64_t count = 0;
+  for (const TurntableReport& t : result.turntables) count += static_cast<int64_t>(t.scans.size());
+  return count;
+}
+
+double MedianSigma(const PointCloud& cloud) {
+  std::vector<float> sigmas = cloud.sigma_mm;
+  if (sigmas.empty()) return 0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
 StageJob ScanJob(const Run& run) {
-  return {"scan", ToJson(run.options.scan),
-          Join(run.ManifestFiles(), run.ScannerFiles(),
-               std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
-                                     run.workspace.Stage("calib") / "poses.json"}),
+  std::vector<fs::path> more = {run.workspace.Stage("calib") / "cameras.json",
+                                run.workspace.Stage("calib") / "poses.json"};
+  if (!run.options.scan.rig.empty()) more.emplace_back(run.options.scan.rig);
+  return {"scan", ToJson(run.options.scan), Join(run.ManifestFiles(), run.ScannerFiles(), more),
           [&run](const fs::path& folder) -> json {
             if (run.capture.BringsGeometry()) return {{"points", 0}, {"brought", true}};
             const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
             const ScanResult result =
                 Scan(run.capture, ReadBoard(run.capture.folder / run.capture.board), calib,
-                     MakeImageLoader(run.capture), run.options.scan, run.progress);
+                     MakeImageLoader(run.capture), run.options.scan, run.progress,
+                     KnownRigOf(run.options.scan));
             SaveScan(result, folder);
+            for (const std::string& line : DescribePoses(result)) run.progress.Note(line);
             std::vector<std::pair<std::string, std::string>> rejected;
             for (const ScanFailure& f : result.rejected) {
               rejected.emplace_back(f.id, f.reason);
@@ -133,6 +149,13 @@ StageJob ScanJob(const Run& run) {
                     {"scans_used", result.scans.size()},
                     {"projector_rms_px", result.rig.projector_rms_px},
                     {"condition", result.rig.condition},
+                    {"rig", result.rig.source == RigSource::kGiven ? "given" : "calibrated"},
+                    {"projector_lens_terms", result.rig.projector_terms},
+                    {"scans_on_turntables", ScansOnTurntables(result)},
+                    {"registration_kept", result.registration.kept},
+                    {"registration_before_mm", result.registration.before_mm},
+                    {"registration_after_mm", result.registration.after_mm},
+                    {"point_sigma_median_mm", MedianSigma(result.points)},
                     {"rejected", RejectedToJson(rejected)}};
           }};
 }

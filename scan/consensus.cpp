@@ -64,6 +64,7 @@ bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, c
 void Clear(RangeMap& map, size_t pixel) {
   map.depth[pixel] = 0;
   map.confidence[pixel] = 0;
+  map.sigma_mm[pixel] = 0;
 }
 
 /// Pixels of the 4-connected patch about `start`; marks them in `visited`.

@@ -65,8 +65,8 @@ int main(int argc, char** argv) {
     const std::filesystem::path work = work_folder;
     const lfm::Board board = lfm::ReadBoard(capture.folder / capture.board);
     const lfm::CalibResult calib = lfm::CalibOfCapture(capture, work / "calib");
-    const lfm::ScanResult result =
-        lfm::Scan(capture, board, calib, lfm::MakeImageLoader(capture), options, progress);
+    const lfm::ScanResult result = lfm::Scan(capture, board, calib, lfm::MakeImageLoader(capture),
+                                             options, progress, lfm::KnownRigOf(options));
     lfm::SaveScan(result, work / "scan");
     if (output.pictures) {
       DrawPictures(capture, options, result, work / "scan" / "pictures", progress);
@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
     for (const lfm::ScanFailure& failure : result.rejected) {
       progress.Note("set aside " + failure.id + ": " + failure.reason);
     }
+    for (const std::string& line : lfm::DescribePoses(result)) progress.Note(line);
     progress.Note(std::to_string(result.points.points.size()) + " points of " +
                   std::to_string(result.scans.size()) + " scans; projector " +
                   std::to_string(result.rig.projector_rms_px) + " px RMS");

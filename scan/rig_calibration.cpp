@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
@@ -12,9 +13,6 @@
 namespace lfm {
 namespace {
 
-constexpr double kPlateMarginMm = 1;
-constexpr double kFlatWhite = 0.08;  // largest relative spread of white about a correspondence
-constexpr int kFlatRadiusPx = 2;
 constexpr int kMinCorrespondences = 50;
 // A lens term must lower the held-out squared error at least to this share, and by this much.
 constexpr double kLensGain = 0.98;
@@ -24,18 +22,6 @@ constexpr const char* kTiltAdvice =
     ": scan the empty platform at least twice (better five times), tilted 15-40 degrees in "
     "different directions and raised, under column and row patterns";
 
-bool IsFlatWhite(const DecodedPixels& decoded, int x, int y) {
-  float low = 1e30F, high = 0;
-  for (int dy = -kFlatRadiusPx; dy <= kFlatRadiusPx; ++dy) {
-    for (int dx = -kFlatRadiusPx; dx <= kFlatRadiusPx; ++dx) {
-      const float c = decoded.contrast[static_cast<size_t>(y + dy) * decoded.width + x + dx];
-      low = std::min(low, c);
-      high = std::max(high, c);
-    }
-  }
-  return high > 0 && high - low <= kFlatWhite * high;
-}
-
 std::vector<int> CountPerPlacement(size_t placements,
                                    const std::vector<PlateCorrespondence>& correspondences) {
   std::vector<int> counts(placements, 0);
@@ -43,12 +29,12 @@ std::vector<int> CountPerPlacement(size_t placements,
   return counts;
 }
 
-std::vector<ResectionPoint> ResectionPoints(const std::vector<PriorPlane>& planes,
+std::vector<ResectionPoint> ResectionPoints(const std::vector<PlatePlacement>& placements,
                                             const std::vector<PlateCorrespondence>& all) {
   std::vector<ResectionPoint> points;
   for (const PlateCorrespondence& c : all) {
     const Eigen::Vector3d point =
-        MeetPlane(planes[static_cast<size_t>(c.placement)], Eigen::Vector3d::Zero(), c.ray);
+        MeetPlate(placements[static_cast<size_t>(c.placement)].camera_from_world, c.ray);
     points.push_back({point, c.projector_px, c.sigma_px.y() > 0});
   }
   return points;
@@ -74,42 +60,37 @@ void CheckMotion(const std::vector<ResectionPoint>& points, int placements_used,
 }
 
 /// Mean squared residual, each clipped at 1 px, of a placement that did not take part.
-double HeldOutError(const RigState& state, const std::vector<PriorPlane>& planes,
-                    const std::vector<PlateCorrespondence>& all, int placement) {
+double HeldOutError(const RigState& state, const std::vector<PlateCorrespondence>& all,
+                    int placement) {
   double sum = 0, count = 0;
   for (const PlateCorrespondence& c : all) {
     if (c.placement != placement) continue;
-    const std::optional<Eigen::Vector2d> residual = RigResidualPx(state, planes, c);
+    const std::optional<Eigen::Vector2d> residual = RigResidualPx(state, c);
     sum += residual ? std::min(1.0, residual->squaredNorm()) : 1.0;
     count += 1;
   }
   return count > 0 ? sum / count : 0;
 }
 
-std::vector<PlateCorrespondence> EveryNth(const std::vector<PlateCorrespondence>& all, size_t n) {
-  std::vector<PlateCorrespondence> some;
-  for (size_t i = 0; i < all.size(); i += n) some.push_back(all[i]);
-  return some;
-}
-
-int ChooseLensTerms(const RigState& start, const std::vector<PriorPlane>& planes,
+int ChooseLensTerms(const RigState& start, const std::vector<PlatePlacement>& placements,
                     const std::vector<PlateCorrespondence>& all,
                     const RigCalibrationOptions& options) {
   // Two placements leave one to fit, which calibrates nothing: no evidence for a lens.
-  if (planes.size() < 3) return 0;
+  const size_t count = placements.size();
+  if (count < 3) return 0;
   const std::vector<PlateCorrespondence> some =
-      EveryNth(all, std::max<size_t>(1, all.size() / (kHeldOutPoints * planes.size())));
+      EveryNth(all, std::max<size_t>(1, all.size() / (kHeldOutPoints * count)));
   double best_error = 0;
   int best_terms = 0;
   for (int terms : kLensModels) {
     double error = 0;
-    for (size_t left_out = 0; left_out < planes.size(); ++left_out) {
-      std::vector<bool> included(planes.size(), true);
-      included[left_out] = false;
-      const RigState state = AdjustRig(start, planes, some, included, terms, options);
-      error += HeldOutError(state, planes, some, static_cast<int>(left_out));
+    for (size_t left_out = 0; left_out < count; ++left_out) {
+      RigData data{placements, some, std::vector<bool>(count, true)};
+      data.included[left_out] = false;
+      const RigState state = AdjustRig(start, data, {.projector_terms = terms}, options);
+      error += HeldOutError(state, some, static_cast<int>(left_out));
     }
-    error /= static_cast<double>(planes.size());
+    error /= static_cast<double>(count);
     if (terms == 0 || error < std::min(kLensGain * best_error, best_error - kLensGainPx2)) {
       best_error = error;
       best_terms = terms;
@@ -123,13 +104,12 @@ struct FitStatistics {
   int used = 0;
 };
 
-FitStatistics Statistics(const RigState& state, const std::vector<PriorPlane>& planes,
-                         const std::vector<PlateCorrespondence>& all,
+FitStatistics Statistics(const RigState& state, const std::vector<PlateCorrespondence>& all,
                          const RigCalibrationOptions& options) {
   FitStatistics statistics;
   double sum = 0;
   for (const PlateCorrespondence& c : all) {
-    const std::optional<Eigen::Vector2d> residual = RigResidualPx(state, planes, c);
+    const std::optional<Eigen::Vector2d> residual = RigResidualPx(state, c);
     if (!residual) continue;
     const double sigma = std::hypot(c.sigma_px.cwiseMax(0.0).norm(), options.sigma_floor_px);
     if (residual->norm() > options.robust_scale * sigma) continue;
@@ -140,42 +120,58 @@ FitStatistics Statistics(const RigState& state, const std::vector<PriorPlane>& p
   return statistics;
 }
 
-}  // namespace
-
-std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decoded,
-                                                      const std::vector<Eigen::Vector2d>& rays,
-                                                      const Board& board,
-                                                      const PlatePlacement& placement,
-                                                      int placement_index, int max_count) {
-  std::vector<PlateCorrespondence> all;
-  if (decoded.column.confidence.empty()) return all;
-  const bool rows = !decoded.row.confidence.empty();
-  const PriorPlane plane = PlaneOfPlacement(placement);
-  const Pose world_from_camera = placement.camera_from_world.Inverse();
-  for (int y = kFlatRadiusPx; y + kFlatRadiusPx < decoded.height; ++y) {
-    for (int x = kFlatRadiusPx; x + kFlatRadiusPx < decoded.width; ++x) {
-      const size_t p = static_cast<size_t>(y) * decoded.width + x;
-      if (decoded.column.confidence[p] <= 0 || !IsFlatWhite(decoded, x, y)) continue;
-      if (rows && decoded.row.confidence[p] <= 0) continue;
-      const Eigen::Vector3d point = MeetPlane(plane, Eigen::Vector3d::Zero(), rays[p]);
-      if (!point.allFinite() || point.z() <= 0) continue;
-      const Eigen::Vector3d on_plate = world_from_camera * point;
-      if (std::abs(on_plate.x()) > board.width_mm / 2 - kPlateMarginMm ||
-          std::abs(on_plate.y()) > board.height_mm / 2 - kPlateMarginMm) {
-        continue;
-      }
-      PlateCorrespondence c;
-      c.placement = placement_index;
-      c.ray = rays[p];
-      c.projector_px = {decoded.column.position[p], rows ? decoded.row.position[p] : 0.0};
-      c.sigma_px = {decoded.column.sigma[p], rows ? decoded.row.sigma[p] : 0.0};
-      all.push_back(c);
-    }
-  }
-  const size_t limit = static_cast<size_t>(std::max(1, max_count));
-  // A stride that shares no factor with a row's length walks over rows and columns alike.
-  return EveryNth(all, (all.size() + limit - 1) / limit | 1);
+RigCalibration RigOf(const RigState& state) {
+  RigCalibration rig;
+  rig.camera = state.camera;
+  rig.projector = state.projector;
+  rig.projector_from_camera = state.projector_from_camera;
+  return rig;
 }
+
+/// The same correspondences with the rays that their pixels have under another camera. A pixel that
+/// has none there keeps its ray.
+std::vector<PlateCorrespondence> UnderCamera(const std::vector<PlateCorrespondence>& all,
+                                             const Camera& from, const Camera& to) {
+  std::vector<PlateCorrespondence> moved = all;
+  for (PlateCorrespondence& c : moved) {
+    const auto pixel = Project(from, c.ray.homogeneous());
+    const auto direction = pixel ? TryUnproject(to, *pixel) : std::nullopt;
+    if (direction) c.ray = direction->hnormalized();
+  }
+  return moved;
+}
+
+std::vector<double> MedianResiduals(const RigState& state,
+                                    const std::vector<PlateCorrespondence>& all) {
+  std::vector<std::vector<double>> lengths(state.platforms.size());
+  for (const PlateCorrespondence& c : all) {
+    const std::optional<Eigen::Vector2d> residual = RigResidualPx(state, c);
+    lengths[static_cast<size_t>(c.placement)].push_back(residual ? residual->norm() : 1e9);
+  }
+  std::vector<double> medians;
+  for (std::vector<double>& list : lengths) {
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    medians.push_back(list.empty() ? 0 : *middle);
+  }
+  return medians;
+}
+
+/// Fewer correspondences, as many as are independent, for the curvature.
+std::vector<PlateCorrespondence> IndependentOf(const std::vector<PlateCorrespondence>& all,
+                                               size_t placements) {
+  const std::vector<int> counts = CountPerPlacement(placements, all);
+  std::vector<int> passed(placements, 0);
+  std::vector<PlateCorrespondence> some;
+  for (const PlateCorrespondence& c : all) {
+    const size_t i = static_cast<size_t>(c.placement);
+    const int stride = std::max(1, counts[i] / kIndependentPoints);
+    if (passed[i]++ % stride == 0) some.push_back(c);
+  }
+  return some;
+}
+
+}  // namespace
 
 RigAdjustment CalibrateRig(const Camera& camera, int projector_width, int projector_height,
                            const std::vector<PlatePlacement>& placements,
@@ -184,35 +180,81 @@ RigAdjustment CalibrateRig(const Camera& camera, int projector_width, int projec
   const std::vector<int> counts = CountPerPlacement(placements.size(), correspondences);
   const auto enough =
       std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kMinCorrespondences; });
-  std::vector<PriorPlane> planes;
-  for (const PlatePlacement& placement : placements) planes.push_back(PlaneOfPlacement(placement));
-  const std::vector<ResectionPoint> points = ResectionPoints(planes, correspondences);
+  const std::vector<ResectionPoint> points = ResectionPoints(placements, correspondences);
   CheckMotion(points, static_cast<int>(enough), options);
 
   const Resection start = ResectProjector(points, projector_width, projector_height);
-  RigState state{start.projector, start.projector_from_camera,
-                 std::vector<Eigen::Vector3d>(planes.size(), Eigen::Vector3d::Zero())};
-  const std::vector<bool> all(planes.size(), true);
-  state = AdjustRig(state, planes, correspondences, all, 0, options);
-  const double condition = RigCondition(state, planes, correspondences, options);
+  RigState state{camera, start.projector, start.projector_from_camera, {}};
+  for (const PlatePlacement& p : placements) state.platforms.push_back(p.camera_from_world);
+  const RigData data{placements, correspondences, std::vector<bool>(placements.size(), true)};
+  state = AdjustRig(state, data, {}, options);
+  const double condition = RigCondition(state, data, options);
   if (!(condition <= options.max_condition)) {
     throw Error(
         "the rig cannot be calibrated: the placements of the platform barely differ "
         "(condition number " +
         std::to_string(condition) + ")" + kTiltAdvice);
   }
+  const int terms = ChooseLensTerms(state, placements, correspondences, options);
+  if (terms > 0) state = AdjustRig(state, data, {.projector_terms = terms}, options);
+  const FitStatistics statistics = Statistics(state, correspondences, options);
   RigAdjustment result;
-  result.lens_terms = ChooseLensTerms(state, planes, correspondences, options);
-  if (result.lens_terms > 0) {
-    state = AdjustRig(state, planes, correspondences, all, result.lens_terms, options);
-  }
-  const FitStatistics statistics = Statistics(state, planes, correspondences, options);
   result.used = statistics.used;
-  result.rig.camera = camera;
-  result.rig.projector = state.projector;
-  result.rig.projector_from_camera = state.projector_from_camera;
+  result.rig = RigOf(state);
+  result.rig.projector_terms = terms;
   result.rig.projector_rms_px = statistics.rms_px;
+  result.rig.camera_rms_px = CornerRmsPx(state, placements);
   result.rig.condition = condition;
+  result.platforms = state.platforms;
+  return result;
+}
+
+RigRefinement RefineRig(const RigCalibration& rig, std::optional<int> camera_terms,
+                        const RigEvidence& evidence, int scans_begin, TurntableUse use,
+                        const RigCalibrationOptions& options) {
+  const std::vector<PlatePlacement>& placements = evidence.placements;
+  RigData data{placements, evidence.correspondences, std::vector<bool>(placements.size(), true)};
+  const bool given = rig.source == RigSource::kGiven;
+  const RigFreedom freedom{!given, given ? 0 : rig.projector_terms, camera_terms};
+  RigState start{rig.camera, rig.projector, rig.projector_from_camera, {}};
+  for (const PlatePlacement& p : placements) start.platforms.push_back(p.camera_from_world);
+  RigState state = AdjustRig(start, data, freedom, options);
+
+  const auto covariance_at = [&](const RigState& at) {
+    const std::vector<PlateCorrespondence> some = IndependentOf(
+        UnderCamera(evidence.correspondences, start.camera, at.camera), placements.size());
+    return ComputeRigCovariance(at, {placements, some, data.included}, freedom, options);
+  };
+  RigCovariance covariance = covariance_at(state);
+  std::vector<PoseEstimate> scans;
+  for (size_t i = static_cast<size_t>(scans_begin); i < placements.size(); ++i) {
+    scans.push_back({state.platforms[i], covariance.platforms[i]});
+  }
+  data.runs = FindTurntableRuns(scans, use);
+  for (TurntableRun& run : data.runs) {
+    for (int& member : run.members) member += scans_begin;
+  }
+  if (!data.runs.empty()) {
+    state = AdjustRig(start, data, freedom, options);
+    covariance = covariance_at(state);
+  }
+
+  RigRefinement result;
+  const std::vector<PlateCorrespondence> seen =
+      UnderCamera(evidence.correspondences, start.camera, state.camera);
+  result.rig = RigOf(state);
+  result.rig.source = rig.source;
+  result.rig.raster_gain = rig.raster_gain;
+  result.rig.condition = rig.condition;
+  result.rig.projector_terms = rig.projector_terms;
+  result.rig.projector_rms_px = Statistics(state, seen, options).rms_px;
+  result.rig.camera_rms_px = CornerRmsPx(state, placements);
+  for (size_t i = 0; i < placements.size(); ++i) {
+    result.platforms.push_back({state.platforms[i], covariance.platforms[i]});
+  }
+  result.uncertainty.projector = covariance.projector;
+  result.runs = data.runs;
+  result.median_px = MedianResiduals(state, seen);
   return result;
 }
 

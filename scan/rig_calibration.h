@@ -1,34 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "calib/board.h"
-#include "calib/calib.h"
 #include "core/camera.h"
 #include "core/pose.h"
-#include "scan/decode.h"
+#include "scan/plate_correspondences.h"
 #include "scan/scan.h"
+#include "scan/turntable.h"
+#include "scan/uncertainty.h"
 
 namespace lfm {
-
-/// One placement of the platform in front of the rig.
-struct PlatePlacement {
-  Pose camera_from_world;
-  /// Of (rotation vector applied on the left, translation), rad and mm, as PosedImage has it.
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-};
-
-/// A point of the platform seen by the camera and lit by a known place of the projector.
-struct PlateCorrespondence {
-  int placement = 0;                        ///< index into the placements
-  Eigen::Vector2d ray = {0, 0};             ///< (X/Z, Y/Z) of the camera's pixel, undistorted
-  Eigen::Vector2d projector_px = {0, 0};    ///< decoded column and row
-  Eigen::Vector2d sigma_px = {0.05, 0.05};  ///< standard deviations; row's <= 0: row unknown
-};
 
 struct RigCalibrationOptions {
   double robust_scale = 3;       ///< residuals beyond this many sigmas count less (Huber)
@@ -39,20 +22,12 @@ struct RigCalibrationOptions {
   double min_thickness = 0.01;
 };
 
+/// A rig fitted to placements, and how.
 struct RigAdjustment {
   RigCalibration rig;
-  int used = 0;        ///< correspondences within robust_scale sigmas
-  int lens_terms = 0;  ///< 0; 1: k1; 2: k1 k2; 4: k1 k2 p1 p2
+  int used = 0;                 ///< correspondences within robust_scale sigmas
+  std::vector<Pose> platforms;  ///< camera_from_world of the placements, adjusted
 };
-
-/// Correspondences of one decoded placement, at most about `max_count`, on a regular grid of the
-/// camera's pixels: inside the printed plate, columns and rows decoded, paper white all round (at
-/// an ink border a pixel's light does not come from its middle).
-std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decoded,
-                                                      const std::vector<Eigen::Vector2d>& rays,
-                                                      const Board& board,
-                                                      const PlatePlacement& placement,
-                                                      int placement_index, int max_count);
 
 /// Calibrates the projector as an inverse camera.
 ///
@@ -60,9 +35,9 @@ std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decod
 /// known 3D point X, and the projector pixel decoded there is the point's picture:
 ///   projector_px ~ Project(projector, projector_from_camera * X).
 /// Start: linear resection (DLT, Hartley & Zisserman 2003, 7.1) over the points of all placements,
-/// with outliers trimmed. Then least squares (Ceres, Huber) over fx, fy, cx, cy, lens terms,
-/// projector_from_camera, and each placement's plane (3 unknowns, held by the covariance of its
-/// pose). Lens terms enter only when they lower the error of placements left out of the fit.
+/// with outliers trimmed. Then least squares (`scan/rig_adjustment.h`) over fx, fy, cx, cy, lens
+/// terms, projector_from_camera, and each placement's pose (held by its corners, or by its
+/// covariance). Lens terms enter only when they lower the error of placements left out of the fit.
 /// The camera is taken as it is. One thread: the result is reproducible.
 ///
 /// Throws Error when there are fewer than two placements, fewer than 50 correspondences in one of
@@ -73,5 +48,35 @@ RigAdjustment CalibrateRig(const Camera& camera, int projector_width, int projec
                            const std::vector<PlatePlacement>& placements,
                            const std::vector<PlateCorrespondence>& correspondences,
                            const RigCalibrationOptions& options);
+
+/// What the last adjustment of a rig works on: the placements, and the scans' own views of the
+/// platform behind them.
+struct RigEvidence {
+  std::vector<PlatePlacement> placements;
+  std::vector<PlateCorrespondence> correspondences;
+};
+
+/// What it found.
+struct RigRefinement {
+  RigCalibration rig;
+  std::vector<PoseEstimate> platforms;  ///< one a placement, adjusted
+  RigUncertainty uncertainty;
+  std::vector<TurntableRun> runs;  ///< that held
+  /// Median length of the correspondences' residuals, projector px, one a placement; 0 without.
+  std::vector<double> median_px;
+};
+
+/// One joint adjustment of camera, projector and all poses of the platform, scans included: camera
+/// intrinsics with `camera_terms` lens terms (none: held), the projector unless `rig` was given
+/// from elsewhere, and poses, which turntable runs among `scans_begin`.. hold (`use`). Starts from
+/// `rig` and the placements' own poses.
+///
+/// Covariances are of the solution's curvature, each placement's correspondences counting as no
+/// more than kIndependentPoints independent ones: what spoils a point of the plate (print, light
+/// from elsewhere, the lens's rest) spoils its neighbours alike.
+RigRefinement RefineRig(const RigCalibration& rig, std::optional<int> camera_terms,
+                        const RigEvidence& evidence, int scans_begin, TurntableUse use,
+                        const RigCalibrationOptions& options);
+inline constexpr int kIndependentPoints = 50;
 
 }  // namespace lfm

@@ -3,263 +3,360 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "scan/consensus.h"
-#include "scan/decode.h"
-#include "scan/patterns.h"
+#include "scan/known_rig.h"
+#include "scan/raster_correction.h"
+#include "scan/registration.h"
 #include "scan/rig_calibration.h"
+#include "scan/scan_decoding.h"
 #include "scan/triangulate.h"
+#include "scan/world_cloud.h"
 
 namespace lfm {
 namespace {
 
-constexpr int kPointsPerPlacement = 2000;
-// Nearer to the plate than this, a point is the plate's: paper and ink scatter by about half of it.
-constexpr double kPlateMm = 0.4;
+constexpr int kPointsPerPlacement = 2000, kPointsPerScan = 600;
+// Under a scan, what lies farther from where the plate would be lit is the object.
+constexpr double kPlateReachPx = 2;
+constexpr double kMaxPlatformOffPx = 1;
+constexpr size_t kEnoughPlatePoints = 50;
 
-/// One decoded set of frames, or why there is none.
-struct DecodedSet {
-  const ScanSet* set = nullptr;
-  const PosedImage* pose = nullptr;
-  std::optional<DecodedPixels> pixels;
-  std::string reason;
+/// All sets that can be used, and why the others cannot.
+struct Sets {
+  std::vector<DecodedSet> usable;
+  std::vector<ScanFailure> failures;
 };
 
-const PosedImage* FindPose(const std::vector<PosedImage>& poses, const std::string& id) {
-  const auto found =
-      std::find_if(poses.begin(), poses.end(), [&](const PosedImage& p) { return p.id == id; });
-  return found == poses.end() ? nullptr : &*found;
-}
-
-std::string WhyNoPose(const CalibResult& calib, const ScanSet& set) {
-  for (const RejectedImage& r : calib.rejected) {
-    // A photograph may have the same id; its file is another.
-    const bool own = std::find(set.frames.begin(), set.frames.end(), r.file) != set.frames.end();
-    if (own && r.id == set.id) return "calibration found no pose of the platform: " + r.reason;
+Sets Sort(std::vector<DecodedSet> decoded) {
+  Sets sets;
+  for (DecodedSet& s : decoded) {
+    if (s.Usable()) {
+      sets.usable.push_back(std::move(s));
+    } else {
+      sets.failures.push_back({s.id, s.reason});
+    }
   }
-  return "calibration has no pose of the platform for it; run lfm-calib again";
+  return sets;
 }
 
-/// Decodes sets in parallel; what a set lacks is its own misfortune, an interrupt everybody's.
-std::vector<DecodedSet> DecodeSets(const std::vector<ScanSet>& sets,
-                                   const std::vector<PosedImage>& poses, const CalibResult& calib,
-                                   const PatternSequence& sequence, const ImageLoader& load_image,
-                                   const ScanOptions& options, Progress& progress) {
-  std::vector<DecodedSet> decoded(sets.size());
-  DecodeOptions decode_options;
-  decode_options.min_contrast = options.min_contrast;
-  ParallelFor(0, static_cast<int64_t>(sets.size()), [&](int64_t i) {
-    const ScanSet& set = sets[static_cast<size_t>(i)];
-    DecodedSet& out = decoded[static_cast<size_t>(i)];
-    out.set = &set;
-    out.pose = FindPose(poses, set.id);
-    if (out.pose == nullptr) {
-      out.reason = WhyNoPose(calib, set);
-      progress.Advance(static_cast<int64_t>(set.frames.size()));
-      return;
-    }
-    int64_t read = 0;
-    try {
-      if (set.frames.size() != sequence.patterns.size()) {
-        throw Error("it has " + std::to_string(set.frames.size()) + " frames, its roles are " +
-                    std::to_string(sequence.patterns.size()));
-      }
-      const FrameLoader load = [&](int index) {
-        progress.Advance();
-        ++read;
-        return load_image(set.frames[static_cast<size_t>(index)]);
-      };
-      out.pixels = Decode(sequence, load, decode_options);
-    } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kSystem) throw;
-      out.reason = error.what();
-      progress.Advance(std::max<int64_t>(0, static_cast<int64_t>(set.frames.size()) - read));
-    }
+/// Points on the plate, and those of them that a rig confirms.
+struct PlateCount {
+  double asked = 0, kept = 0;
+};
+
+void AddEvidence(const DecodedSet& set, RigEvidence& evidence) {
+  const int index = static_cast<int>(evidence.placements.size());
+  evidence.placements.push_back(set.platform);
+  for (PlateCorrespondence c : set.plate) {
+    c.placement = index;
+    evidence.correspondences.push_back(c);
+  }
+}
+
+/// Leaves of a scan's plate points those that the start rig confirms; counts both.
+void KeepPlate(const RigCalibration& rig, DecodedSet& scan, PlateCount& count) {
+  count.asked += static_cast<double>(scan.plate.size());
+  std::erase_if(scan.plate, [&](const PlateCorrespondence& c) {
+    const Eigen::Vector3d point = MeetPlate(scan.platform.camera_from_world, c.ray);
+    const auto pixel = Project(rig.projector, rig.projector_from_camera * point);
+    return !pixel || !(std::abs(pixel->x() - c.projector_px.x()) <= kPlateReachPx);
   });
-  return decoded;
+  count.kept += static_cast<double>(scan.plate.size());
 }
 
-std::vector<ScanFailure> Failures(const std::vector<DecodedSet>& sets) {
-  std::vector<ScanFailure> failures;
-  for (const DecodedSet& s : sets) {
-    if (!s.pixels) failures.push_back({s.set->id, s.reason});
+RigAgreement AgreementOf(const PlateCount& count, const RigRefinement& refined) {
+  std::vector<double> medians;
+  for (double m : refined.median_px) {
+    if (m > 0) medians.push_back(m);
   }
-  return failures;
+  std::sort(medians.begin(), medians.end());
+  RigAgreement agreement;
+  agreement.points = static_cast<int>(count.asked);
+  agreement.share = count.asked > 0 ? count.kept / count.asked : 0;
+  agreement.median_px = medians.empty() ? 0 : medians[medians.size() / 2];
+  return agreement;
 }
 
-/// Sets aside what was taken in another size than the calibration saw.
-void RequireSizeOf(const Camera& camera, std::vector<DecodedSet>& sets) {
-  for (DecodedSet& s : sets) {
-    if (!s.pixels || (s.pixels->width == camera.width && s.pixels->height == camera.height)) {
+std::string PlatformOff(double median_px) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "its platform lies %.1f projector pixels from where the rig's other pictures put "
+                "it; it moved between frames?",
+                median_px);
+  return text;
+}
+
+/// The usable scans that agree with the adjusted rig, with their poses.
+struct StandingScans {
+  std::vector<DecodedSet> sets;
+  std::vector<PoseEstimate> poses;
+};
+
+StandingScans KeepStanding(std::vector<DecodedSet> sets, const RigRefinement& refined,
+                           size_t scans_begin, std::vector<ScanFailure>& failures) {
+  StandingScans standing;
+  for (size_t i = 0; i < sets.size(); ++i) {
+    const double off = refined.median_px[scans_begin + i];
+    if (off > kMaxPlatformOffPx && sets[i].plate.size() >= kEnoughPlatePoints) {
+      failures.push_back({sets[i].id, PlatformOff(off)});
       continue;
     }
-    s.reason = "its pictures have " + std::to_string(s.pixels->width) + " x " +
-               std::to_string(s.pixels->height) + " pixels, the calibrated camera " +
-               std::to_string(camera.width) + " x " + std::to_string(camera.height);
-    s.pixels.reset();
+    standing.sets.push_back(std::move(sets[i]));
+    standing.poses.push_back(refined.platforms[scans_begin + i]);
   }
+  return standing;
 }
 
-PatternSequence RequireColumns(const Capture& capture, const std::vector<std::string>& roles,
-                               const char* key) {
-  const Scanner& scanner = *capture.scanner;
-  const PatternSequence sequence =
-      SequenceFromNames(scanner.projector_width, scanner.projector_height, roles);
-  RequireComplete(sequence);
-  const bool columns =
-      std::any_of(sequence.patterns.begin(), sequence.patterns.end(), [](const Pattern& pattern) {
-        return pattern.kind != PatternKind::kWhite && pattern.kind != PatternKind::kBlack &&
-               pattern.axis == PatternAxis::kColumn;
-      });
-  if (!columns) {
-    throw Error((capture.folder / "capture.json").string() + ": scanner." + key +
-                ": names no column patterns (\"column-gray-0\", ...), and points are measured by "
-                "projector columns; scan with them");
+std::vector<TurntableReport> ReportRuns(const std::vector<TurntableRun>& runs,
+                                        const std::vector<DecodedSet>& scans, size_t scans_begin) {
+  std::vector<TurntableReport> reports;
+  for (const TurntableRun& run : runs) {
+    TurntableReport report{{}, run.direction, run.point, run.rms_mm, run.chi2_per_dof};
+    for (int m : run.members) {
+      report.scans.push_back(scans[static_cast<size_t>(m) - scans_begin].id);
+    }
+    reports.push_back(report);
   }
-  return sequence;
+  return reports;
 }
 
-RigCalibration CalibrateFromPlacements(const Scanner& scanner, const Camera& camera,
-                                       const Board& board, const std::vector<Eigen::Vector2d>& rays,
-                                       const std::vector<DecodedSet>& sets) {
-  std::vector<PlatePlacement> placements;
-  std::vector<PlateCorrespondence> correspondences;
-  for (const DecodedSet& s : sets) {
-    if (!s.pixels) continue;
-    placements.push_back({s.pose->camera_from_world, s.pose->covariance});
-    const std::vector<PlateCorrespondence> found =
-        PlateCorrespondences(*s.pixels, rays, board, placements.back(),
-                             static_cast<int>(placements.size()) - 1, kPointsPerPlacement);
-    correspondences.insert(correspondences.end(), found.begin(), found.end());
-  }
-  return CalibrateRig(camera, scanner.projector_width, scanner.projector_height, placements,
-                      correspondences, {})
+RigCalibration Calibrated(const Capture& capture, const Camera& camera, const Sets& placements) {
+  RigEvidence evidence;
+  for (const DecodedSet& s : placements.usable) AddEvidence(s, evidence);
+  return CalibrateRig(camera, capture.scanner->projector_width, capture.scanner->projector_height,
+                      evidence.placements, evidence.correspondences, {})
       .rig;
 }
 
-/// RMS over the pictures of the rig's camera, each weighing as many corners as it has.
-double CameraRms(const CalibResult& calib) {
-  double sum = 0, corners = 0;
-  for (const auto* poses : {&calib.scans, &calib.placements}) {
-    for (const PosedImage& p : *poses) {
-      sum += p.corners * p.reprojection_rms_px * p.reprojection_rms_px;
-      corners += p.corners;
-    }
+/// How sharp the projector's pixels are where it lights the plate.
+double RasterGain(const RigCalibration& rig, const Sets& sets) {
+  RigEvidence evidence;
+  for (const DecodedSet& s : sets.usable) AddEvidence(s, evidence);
+  RigState state{rig.camera, rig.projector, rig.projector_from_camera, {}};
+  for (const PlatePlacement& p : evidence.placements)
+    state.platforms.push_back(p.camera_from_world);
+  return FitRasterGain(state, evidence.correspondences);
+}
+
+void RemoveRaster(double gain, Sets& sets) {
+  for (DecodedSet& s : sets.usable) {
+    s.plate = CorrectRaster(std::move(s.plate), gain);
+    if (s.pixels.column.position.empty()) continue;
+    s.pixels.column =
+        CorrectRaster(std::move(s.pixels.column), s.pixels.width, s.pixels.height, gain);
   }
-  return corners > 0 ? std::sqrt(sum / corners) : 0;
 }
 
-bool OnPlate(const Eigen::Vector3d& point, const Board& board) {
-  return std::abs(point.x()) <= board.width_mm / 2 && std::abs(point.y()) <= board.height_mm / 2;
+/// The rig to start from: the known one, or one calibrated on the placements alone; then once more
+/// without the projector's raster.
+RigCalibration StartRig(const Capture& capture, const Camera& camera,
+                        const std::optional<KnownRig>& known, Sets& placements) {
+  RigCalibration rig =
+      known ? RigFromKnown(*known, capture) : Calibrated(capture, camera, placements);
+  const double gain = RasterGain(rig, placements);
+  RemoveRaster(gain, placements);
+  if (!known && gain > 0) rig = Calibrated(capture, camera, placements);
+  rig.raster_gain = gain;
+  return rig;
 }
 
-/// Points that stand on the plate, in the world, in raster order.
-PointCloud CloudFromRange(const PosedRange& scan, const std::vector<Eigen::Vector2d>& rays,
-                          const Board& board) {
-  PointCloud cloud;
-  const Pose world_from_camera = scan.camera_from_world.Inverse();
-  for (size_t p = 0; p < scan.map.depth.size(); ++p) {
-    if (scan.map.depth[p] <= 0) continue;
-    const Eigen::Vector3d point = world_from_camera * (scan.map.depth[p] * rays[p].homogeneous());
-    if (point.z() < kPlateMm || !OnPlate(point, board)) continue;
-    cloud.points.push_back(point);
-    cloud.normals.push_back(world_from_camera.rotation * scan.map.normal[p].cast<double>());
-    cloud.confidence.push_back(scan.map.confidence[p]);
+/// Lens terms of the scanner's camera that the adjustment may move; none where there is no corner
+/// to say so, or the intrinsics were given.
+std::optional<int> FreeCameraTerms(const CalibResult& calib, const std::string& camera,
+                                   const std::optional<KnownRig>& known,
+                                   const RigEvidence& evidence) {
+  const auto terms = calib.lens_terms.find(camera);
+  if (known || terms == calib.lens_terms.end()) return std::nullopt;
+  for (const PlatePlacement& p : evidence.placements) {
+    if (p.corners.empty()) return std::nullopt;
   }
-  return cloud;
+  return terms->second;
 }
 
-void Append(const PointCloud& part, PointCloud& whole) {
-  whole.points.insert(whole.points.end(), part.points.begin(), part.points.end());
-  whole.normals.insert(whole.normals.end(), part.normals.begin(), part.normals.end());
-  whole.confidence.insert(whole.confidence.end(), part.confidence.begin(), part.confidence.end());
-}
-
-std::vector<PosedRange> TriangulateAll(const RigCalibration& rig,
+std::vector<PosedRange> TriangulateAll(const RigRefinement& refined,
                                        const std::vector<Eigen::Vector2d>& rays,
-                                       const std::vector<const DecodedSet*>& sets,
-                                       const ScanOptions& options, Progress& progress) {
-  std::vector<PosedRange> ranges(sets.size());
-  ParallelFor(0, static_cast<int64_t>(sets.size()), [&](int64_t i) {
-    const DecodedSet& set = *sets[static_cast<size_t>(i)];
-    ranges[static_cast<size_t>(i)] = {Triangulate(rig, rays, *set.pixels, options),
-                                      set.pose->camera_from_world};
+                                       StandingScans& scans, const ScanOptions& options,
+                                       Progress& progress) {
+  std::vector<PosedRange> ranges(scans.sets.size());
+  progress.Start("triangulate", static_cast<int64_t>(ranges.size()));
+  ParallelFor(0, static_cast<int64_t>(ranges.size()), [&](int64_t i) {
+    const size_t k = static_cast<size_t>(i);
+    ranges[k] = {Triangulate(refined.rig, rays, scans.sets[k].pixels, options, refined.uncertainty),
+                 scans.poses[k].camera_from_world};
+    scans.sets[k].pixels = {};
     progress.Advance();
   });
   return ranges;
 }
 
-}  // namespace
+RegistrationReport RefinePoses(const RigCalibration& rig, const std::vector<Eigen::Vector2d>& rays,
+                               const StandingScans& scans, std::vector<PosedRange>& ranges,
+                               Progress& progress) {
+  std::vector<Eigen::Matrix<double, 6, 6>> covariances;
+  for (const PoseEstimate& p : scans.poses) covariances.push_back(p.covariance);
+  const Registration registered =
+      RegisterScans(ranges, covariances, rig.camera, rays, {}, progress);
+  for (size_t i = 0; i < ranges.size(); ++i) ranges[i].camera_from_world = registered.poses[i];
+  return registered.report;
+}
 
-ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& calib,
-                const ImageLoader& load_image, const ScanOptions& options, Progress& progress) {
+void RequireScanner(const Capture& capture, const CalibResult& calib, bool rig_known) {
   if (!capture.scanner) {
     throw Error("capture \"" + capture.name + "\" has no scanner; add one to capture.json");
   }
   const Scanner& scanner = *capture.scanner;
-  const auto camera = calib.cameras.find(scanner.camera);
-  if (camera == calib.cameras.end()) {
+  if (!calib.cameras.contains(scanner.camera)) {
     throw Error("the calibration lacks the scanner's camera \"" + scanner.camera +
                 "\"; run lfm-calib again");
   }
   if (scanner.scans.empty()) throw Error("the capture has a scanner but no scans of the object");
-  if (scanner.placements.empty()) {
+  if (scanner.placements.empty() && !rig_known) {
     throw Error(
         "the capture has no placements of the empty platform, and without them the rig cannot be "
         "calibrated; scan it at least twice, tilted in different directions, under column and row "
-        "patterns");
+        "patterns, or give a known rig");
   }
-  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera->second);
+}
 
-  const PatternSequence placement_sequence =
-      RequireColumns(capture, scanner.placement_roles, "placement_roles");
+/// Everything that was decoded, and the rig to start from.
+struct Decoded {
+  Sets placements, scans;
+  RigCalibration start;
+};
+
+Decoded DecodeAll(const Capture& capture, const std::optional<KnownRig>& known, DecodingTask task,
+                  Progress& progress) {
+  const Scanner& scanner = *capture.scanner;
   const PatternSequence scan_sequence = RequireColumns(capture, scanner.scan_roles, "scan_roles");
-  progress.Start("decode placements",
-                 static_cast<int64_t>(scanner.placements.size() * scanner.placement_roles.size()));
-  ScanResult result;
-  {
-    std::vector<DecodedSet> placements =
-        DecodeSets(scanner.placements, calib.placements, calib, placement_sequence, load_image,
-                   options, progress);
-    RequireSizeOf(camera->second, placements);
-    result.rejected = Failures(placements);
-    result.rig = CalibrateFromPlacements(scanner, camera->second, board, rays, placements);
+  Decoded decoded;
+  if (!scanner.placements.empty()) {
+    const PatternSequence sequence =
+        RequireColumns(capture, scanner.placement_roles, "placement_roles");
+    progress.Start("decode placements", static_cast<int64_t>(scanner.placements.size() *
+                                                             scanner.placement_roles.size()));
+    task.sequence = &sequence;
+    task.plate_points = kPointsPerPlacement;
+    decoded.placements =
+        Sort(DecodeSets(scanner.placements, task.calib.placements, task, progress));
   }
-  result.rig.camera_rms_px = CameraRms(calib);
-
+  decoded.start = StartRig(capture, task.camera, known, decoded.placements);
   progress.Start("decode scans",
                  static_cast<int64_t>(scanner.scans.size() * scanner.scan_roles.size()));
-  std::vector<DecodedSet> scans =
-      DecodeSets(scanner.scans, calib.scans, calib, scan_sequence, load_image, options, progress);
-  RequireSizeOf(camera->second, scans);
-  std::vector<const DecodedSet*> good;
-  for (const DecodedSet& s : scans) {
-    if (s.pixels) good.push_back(&s);
-  }
-  const std::vector<ScanFailure> failures = Failures(scans);
-  result.rejected.insert(result.rejected.end(), failures.begin(), failures.end());
-  if (good.empty()) {
-    throw Error("none of the " + std::to_string(scans.size()) + " scans can be used; the first (" +
-                failures.front().id + "): " + failures.front().reason);
-  }
+  task.sequence = &scan_sequence;
+  task.plate_points = kPointsPerScan;
+  decoded.scans = Sort(DecodeSets(scanner.scans, task.calib.scans, task, progress));
+  double& gain = decoded.start.raster_gain;
+  if (scanner.placements.empty()) gain = RasterGain(decoded.start, decoded.scans);
+  RemoveRaster(gain, decoded.scans);
+  return decoded;
+}
 
-  progress.Start("triangulate", static_cast<int64_t>(good.size()));
-  const std::vector<PosedRange> ranges =
-      KeepConsensus(TriangulateAll(result.rig, rays, good, options, progress), camera->second, rays,
-                    ConsensusOptions{});
-  for (size_t i = 0; i < good.size(); ++i) {
-    result.scans.push_back({good[i]->set->id, CloudFromRange(ranges[i], rays, board)});
-    Append(result.scans.back().cloud, result.points);
+/// The scans' clouds; those without a point join the failures.
+std::vector<ScanCloud> MakeClouds(std::vector<PosedRange> ranges, const StandingScans& scans,
+                                  const std::vector<Eigen::Vector2d>& rays, const Board& board,
+                                  std::vector<ScanFailure>& failures) {
+  std::vector<ScanCloud> clouds;
+  for (size_t i = 0; i < ranges.size(); ++i) {
+    PointCloud cloud = CloudFromRange(ranges[i], scans.poses[i].covariance, rays, board);
+    ranges[i].map = {};
+    if (cloud.points.empty()) {
+      failures.push_back({scans.sets[i].id, kNothingAbovePlate});
+      continue;
+    }
+    clouds.push_back({scans.sets[i].id, std::move(cloud), ranges[i].camera_from_world});
   }
-  if (result.points.points.empty()) {
-    throw Error(
-        "the scans show no point above the platform; is the object on it, painted matt white, and "
-        "inside the view of both camera and projector?");
+  return clouds;
+}
+
+/// A failed scan's reason is the last thing that the list of failures got.
+[[noreturn]] void ThrowNoScan(size_t asked, const ScanFailure& example) {
+  throw Error("none of the " + std::to_string(asked) + " scans can be used; for one, " +
+              example.id + ": " + example.reason);
+}
+
+std::string Millimetres(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4f mm", mm);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> DescribePoses(const ScanResult& result) {
+  std::vector<std::string> lines;
+  for (const TurntableReport& t : result.turntables) {
+    lines.push_back(std::to_string(t.scans.size()) + " scans, from " + t.scans.front() +
+                    " on, share a turntable's axis to " + Millimetres(t.rms_mm));
   }
+  const RegistrationReport& r = result.registration;
+  if (r.held_out == 0) {
+    lines.push_back("registration: scans stand where the platform puts them");
+  } else {
+    lines.push_back("registration: " + std::to_string(r.pairs) +
+                    " pairs of scans, held-out points " + Millimetres(r.before_mm) + " before, " +
+                    Millimetres(r.after_mm) +
+                    " after: " + (r.kept ? "refined poses kept" : "poses of the platform kept"));
+  }
+  return lines;
+}
+
+ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& calib,
+                const ImageLoader& load_image, const ScanOptions& options, Progress& progress,
+                const std::optional<KnownRig>& given) {
+  std::optional<KnownRig> known = given;
+  if (!known && capture.scanner && calib.cameras.contains(capture.scanner->camera)) {
+    known = RigOfManifest(capture, calib.cameras.at(capture.scanner->camera));
+  }
+  RequireScanner(capture, calib, known.has_value());
+  const Scanner& scanner = *capture.scanner;
+  if (known) RigFromKnown(*known, capture);  // says what does not fit before any picture is read
+  const Camera& camera = known ? known->camera : calib.cameras.at(scanner.camera);
+  const std::vector<Eigen::Vector2d> start_rays = NormalizedRays(camera);
+  Decoded decoded =
+      DecodeAll(capture, known, {board, calib, camera, start_rays, load_image, options}, progress);
+  ScanResult result;
+  result.rejected = decoded.placements.failures;
+  result.rejected.insert(result.rejected.end(), decoded.scans.failures.begin(),
+                         decoded.scans.failures.end());
+  if (decoded.scans.usable.empty()) ThrowNoScan(scanner.scans.size(), result.rejected.back());
+
+  RigEvidence evidence;
+  PlateCount count;
+  for (DecodedSet& s : decoded.placements.usable) {
+    if (known) KeepPlate(decoded.start, s, count);
+    AddEvidence(s, evidence);
+  }
+  const size_t scans_begin = evidence.placements.size();
+  for (DecodedSet& s : decoded.scans.usable) {
+    KeepPlate(decoded.start, s, count);
+    AddEvidence(s, evidence);
+  }
+  progress.Start("adjust rig", 1);
+  const RigRefinement refined =
+      RefineRig(decoded.start, FreeCameraTerms(calib, scanner.camera, known, evidence), evidence,
+                static_cast<int>(scans_begin), options.turntable, {});
+  if (known) RequireAgreement(AgreementOf(count, refined), *known);
+  result.rig = refined.rig;
+  result.turntables = ReportRuns(refined.runs, decoded.scans.usable, scans_begin);
+
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(result.rig.camera);
+  StandingScans standing =
+      KeepStanding(std::move(decoded.scans.usable), refined, scans_begin, result.rejected);
+  std::vector<PosedRange> ranges = TriangulateAll(refined, rays, standing, options, progress);
+  if (options.registration == RegistrationUse::kAuto) {
+    result.registration = RefinePoses(result.rig, rays, standing, ranges, progress);
+  }
+  ranges = KeepConsensus(std::move(ranges), result.rig.camera, rays, ConsensusOptions{});
+  result.scans = MakeClouds(std::move(ranges), standing, rays, board, result.rejected);
+  if (result.scans.empty()) ThrowNoScan(scanner.scans.size(), result.rejected.back());
+  result.points = Concatenate(result.scans);
   return result;
 }
 

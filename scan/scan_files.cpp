@@ -3,6 +3,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -50,6 +51,31 @@ Camera ReadCamera(JsonReader reader) {
   return CameraFromJson(reader, kMaxSide, LensKeys::kRequired);
 }
 
+/// In a file that people write, lens terms that are 0 may be left out.
+Camera ReadKnownCamera(JsonReader reader) {
+  return CameraFromJson(reader, kMaxSide, LensKeys::kOptional);
+}
+
+nlohmann::json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json ToJson(const TurntableReport& t) {
+  return {{"scans", t.scans},
+          {"direction", Triple(t.direction)},
+          {"point", Triple(t.point)},
+          {"rms_mm", t.rms_mm},
+          {"chi2_per_dof", t.chi2_per_dof}};
+}
+
+nlohmann::json ToJson(const RegistrationReport& r) {
+  return {{"kept", r.kept},
+          {"pairs", r.pairs},
+          {"correspondences", r.correspondences},
+          {"held_out", r.held_out},
+          {"before_mm", r.before_mm},
+          {"after_mm", r.after_mm},
+          {"largest_shift_mm", r.largest_shift_mm}};
+}
+
 nlohmann::json RigJson(const ScanResult& result) {
   nlohmann::json json;
   json["camera"] = CameraToJson(result.rig.camera);
@@ -58,9 +84,17 @@ nlohmann::json RigJson(const ScanResult& result) {
   json["camera_rms_px"] = result.rig.camera_rms_px;
   json["projector_rms_px"] = result.rig.projector_rms_px;
   json["condition"] = result.rig.condition;
+  json["projector_terms"] = result.rig.projector_terms;
+  json["raster_gain"] = result.rig.raster_gain;
+  json["source"] = result.rig.source == RigSource::kGiven ? "given" : "placements";
+  json["turntables"] = nlohmann::json::array();
+  for (const TurntableReport& t : result.turntables) json["turntables"].push_back(ToJson(t));
+  json["registration"] = ToJson(result.registration);
   json["scans"] = nlohmann::json::array();
   for (const ScanCloud& scan : result.scans) {
-    json["scans"].push_back({{"id", scan.id}, {"points", scan.cloud.points.size()}});
+    json["scans"].push_back({{"id", scan.id},
+                             {"points", scan.cloud.points.size()},
+                             {"camera_from_world", PoseToJson(scan.camera_from_world)}});
   }
   json["rejected"] = nlohmann::json::array();
   for (const ScanFailure& failure : result.rejected) {
@@ -75,14 +109,52 @@ double NonNegative(JsonReader& reader, const std::string& key) {
   return value;
 }
 
+Eigen::Vector3d ReadTriple(JsonReader& reader, const std::string& key) {
+  const std::vector<double> v = reader.Numbers(key, 3);
+  return {v[0], v[1], v[2]};
+}
+
+TurntableReport ReadTurntable(JsonReader& reader) {
+  TurntableReport t;
+  t.scans = reader.Texts("scans");
+  t.direction = ReadTriple(reader, "direction");
+  t.point = ReadTriple(reader, "point");
+  t.rms_mm = NonNegative(reader, "rms_mm");
+  t.chi2_per_dof = NonNegative(reader, "chi2_per_dof");
+  reader.Finish();
+  return t;
+}
+
+RegistrationReport ReadRegistration(JsonReader reader) {
+  RegistrationReport r;
+  r.kept = reader.Bool("kept");
+  r.pairs = reader.Integer("pairs", 0, INT32_MAX);
+  r.correspondences = reader.Integer("correspondences", 0, INT32_MAX);
+  r.held_out = reader.Integer("held_out", 0, INT32_MAX);
+  r.before_mm = NonNegative(reader, "before_mm");
+  r.after_mm = NonNegative(reader, "after_mm");
+  r.largest_shift_mm = NonNegative(reader, "largest_shift_mm");
+  reader.Finish();
+  return r;
+}
+
+RigSource ReadSource(JsonReader& reader) {
+  const std::string source = reader.Text("source");
+  if (source != "placements" && source != "given") {
+    reader.Fail("source", "expected \"placements\" or \"given\"");
+  }
+  return source == "given" ? RigSource::kGiven : RigSource::kPlacements;
+}
+
 PointCloud ReadCloud(const std::filesystem::path& file, size_t expected) {
   PointCloud cloud = ReadPlyCloud(file);
-  const bool complete =
-      cloud.normals.size() == cloud.points.size() && cloud.confidence.size() == cloud.points.size();
+  const bool complete = cloud.normals.size() == cloud.points.size() &&
+                        cloud.confidence.size() == cloud.points.size() &&
+                        cloud.sigma_mm.size() == cloud.points.size();
   if (cloud.points.size() != expected || !complete) {
     throw Error(file.string() + ": holds " + std::to_string(cloud.points.size()) +
                 " points where rig.json says " + std::to_string(expected) +
-                " with normals and confidence; run lfm-scan again");
+                " with normals, confidence and sigma_mm; run lfm-scan again");
   }
   return cloud;
 }
@@ -111,13 +183,22 @@ ScanResult LoadScan(const std::filesystem::path& folder) {
   result.rig.camera_rms_px = NonNegative(reader, "camera_rms_px");
   result.rig.projector_rms_px = NonNegative(reader, "projector_rms_px");
   result.rig.condition = NonNegative(reader, "condition");
+  result.rig.projector_terms = reader.Integer("projector_terms", 0, 4);
+  result.rig.raster_gain = NonNegative(reader, "raster_gain");
+  result.rig.source = ReadSource(reader);
+  for (JsonReader& t : reader.Objects("turntables")) result.turntables.push_back(ReadTurntable(t));
+  result.registration = ReadRegistration(reader.Object("registration"));
   size_t total = 0;
   for (JsonReader& scan : reader.Objects("scans")) {
     const std::string id = scan.Text("id");
     const size_t points = static_cast<size_t>(scan.Integer("points", 0, INT32_MAX));
+    JsonReader stands = scan.Object("camera_from_world");
+    const Pose camera_from_world = PoseFromJson(stands);
+    stands.Finish();
     scan.Finish();
     if (result.scans.size() >= kMaxScans) reader.Fail("scans", "too many");
-    result.scans.push_back({id, ReadCloud(folder / ScanFileName(result.scans.size()), points)});
+    result.scans.push_back(
+        {id, ReadCloud(folder / ScanFileName(result.scans.size()), points), camera_from_world});
     total += points;
   }
   for (JsonReader& failure : reader.Objects("rejected")) {
@@ -127,6 +208,27 @@ ScanResult LoadScan(const std::filesystem::path& folder) {
   reader.Finish();
   result.points = ReadCloud(folder / "points.ply", total);
   return result;
+}
+
+std::optional<KnownRig> KnownRigOf(const ScanOptions& options) {
+  if (options.rig.empty()) return std::nullopt;
+  const nlohmann::json json = ReadJson(options.rig);
+  if (!json.is_object()) throw Error(options.rig + ": expected an object with a known rig");
+  // What a scan wrote beside its rig says nothing about the rig.
+  nlohmann::json rig = nlohmann::json::object();
+  for (const char* key : {"camera", "projector", "projector_from_camera"}) {
+    if (json.contains(key)) rig[key] = json[key];
+  }
+  JsonReader reader(rig, options.rig);
+  KnownRig known;
+  known.camera = ReadKnownCamera(reader.Object("camera"));
+  known.projector = ReadKnownCamera(reader.Object("projector"));
+  JsonReader pose = reader.Object("projector_from_camera");
+  known.projector_from_camera = PoseFromJson(pose);
+  pose.Finish();
+  reader.Finish();
+  known.source = options.rig;
+  return known;
 }
 
 }  // namespace lfm

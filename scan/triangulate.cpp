@@ -19,6 +19,7 @@ constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kMinConnected = 6;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
+constexpr double kSmallestSigmaMm = 1e-4;
 constexpr double kGoodSigmaMm = 0.15;  // an expected error of this size halves the confidence
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -129,6 +130,7 @@ double DepthPerColumn(const RigCalibration& rig, const Eigen::Vector2d& ray, dou
 struct PixelVerdict {
   Eigen::Vector3f normal = {0, 0, 0};
   float confidence = 0;
+  double seen = 0;  ///< cosine between normal and line of sight
 };
 
 PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2d& ray,
@@ -152,6 +154,7 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
   const double expected = std::hypot(sigma_mm * seen, rough, gap) / kGoodSigmaMm;
   const double confidence = decoding * std::sqrt(std::min(seen, lit)) / (1 + expected * expected);
   if (!(confidence >= options.min_confidence)) return verdict;
+  verdict.seen = seen;
   verdict.normal = normal.cast<float>();
   verdict.confidence = static_cast<float>(std::min(1.0, confidence));
   return verdict;
@@ -199,7 +202,8 @@ std::optional<double> DepthFromColumn(const RigCalibration& rig, const Eigen::Ve
 }
 
 RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2d>& rays,
-                     const DecodedPixels& decoded, const ScanOptions& options) {
+                     const DecodedPixels& decoded, const ScanOptions& options,
+                     const RigUncertainty& uncertainty) {
   const size_t pixels = rays.size();
   if (decoded.width != rig.camera.width || decoded.height != rig.camera.height ||
       decoded.column.position.size() != pixels) {
@@ -219,6 +223,7 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
   map.depth.assign(pixels, 0);
   map.normal.assign(pixels, Eigen::Vector3f::Zero());
   map.confidence.assign(pixels, 0);
+  map.sigma_mm.assign(pixels, 0);
   const Neighbourhood neighbourhood(rays, depth, map.width, map.height, options);
   const Eigen::Vector3d projector_center = rig.projector_from_camera.Center();
   for (int y = 0; y < map.height; ++y) {
@@ -227,14 +232,17 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
       if (depth[p] <= 0) continue;
       const std::optional<AffineFit> fit = neighbourhood.Fit(x, y);
       if (!fit) continue;
-      const double sigma_mm = decoded.column.sigma[p] *
-                              DepthPerColumn(rig, rays[p], decoded.column.position[p], depth[p]);
+      const double mm_per_px = DepthPerColumn(rig, rays[p], decoded.column.position[p], depth[p]);
+      const double sigma_mm = decoded.column.sigma[p] * mm_per_px;
       const PixelVerdict verdict = Judge(projector_center, rays[p], depth[p], *fit, sigma_mm,
                                          decoded.column.confidence[p], options);
       if (verdict.confidence <= 0) continue;
       map.depth[p] = depth[p];
       map.normal[p] = verdict.normal;
       map.confidence[p] = verdict.confidence;
+      const double rig_px = ColumnSigmaPx(rig, uncertainty, depth[p] * rays[p].homogeneous());
+      const double along = std::hypot(sigma_mm, rig_px * mm_per_px);
+      map.sigma_mm[p] = static_cast<float>(std::max(kSmallestSigmaMm, along * verdict.seen));
     }
   }
   return map;

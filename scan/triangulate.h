@@ -9,6 +9,7 @@
 #include "core/point_cloud.h"
 #include "scan/decode.h"
 #include "scan/scan.h"
+#include "scan/uncertainty.h"
 
 namespace lfm {
 
@@ -31,6 +32,9 @@ struct RangeMap {
   std::vector<double> depth;            ///< Z, mm; 0 = nothing (left)
   std::vector<Eigen::Vector3f> normal;  ///< unit, towards the scanner
   std::vector<float> confidence;        ///< [0, 1]
+  /// Standard deviation across the surface, mm, from decoding and from what is not known of the
+  /// projector; 0 where nothing is measured. What is not known of the scan's pose is not in it.
+  std::vector<float> sigma_mm;
 };
 
 /// Triangulates a decoded scan and keeps what its neighbourhood confirms.
@@ -44,8 +48,10 @@ struct RangeMap {
 /// - seen or lit at more than `max_grazing_deg` from the normal,
 /// - below `min_confidence`: the product of decoding, expected error along the ray, roughness, and
 ///   obliqueness.
-/// `rays` are NormalizedRays(rig.camera). Throws Error when sizes disagree.
+/// `rays` are NormalizedRays(rig.camera). Of `decoded` only size and columns are read. Throws Error
+/// when sizes disagree.
 RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2d>& rays,
-                     const DecodedPixels& decoded, const ScanOptions& options);
+                     const DecodedPixels& decoded, const ScanOptions& options,
+                     const RigUncertainty& uncertainty = {});
 
 }  // namespace lfm

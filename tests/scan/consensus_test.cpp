@@ -27,6 +27,7 @@ PosedRange PlateScan(const Camera& camera, const std::vector<Eigen::Vector2d>& r
     scan.map.normal.push_back(
         (scan.camera_from_world.rotation * Eigen::Vector3d::UnitZ()).cast<float>());
     scan.map.confidence.push_back(hit ? 0.9F : 0.0F);
+    scan.map.sigma_mm.push_back(hit ? 0.02F : 0.0F);
   }
   return scan;
 }

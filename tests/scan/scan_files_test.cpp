@@ -33,6 +33,7 @@ PointCloud SomePoints(int count, double offset) {
     cloud.points.emplace_back(i + offset, 2 * i, 3.5);
     cloud.normals.emplace_back(0, 0.6, 0.8);
     cloud.confidence.push_back(0.25F * static_cast<float>(i % 4));
+    cloud.sigma_mm.push_back(0.01F * static_cast<float>(i + 1));
   }
   return cloud;
 }
@@ -43,7 +44,11 @@ ScanResult SomeResult() {
   result.rig.camera_rms_px = 0.12;
   result.rig.projector_rms_px = 0.07;
   result.rig.condition = 1234.5;
-  result.scans = {{"first", SomePoints(5, 0)}, {"second \"quoted\"", SomePoints(3, 0.5)}};
+  result.rig.projector_terms = 4;
+  result.scans = {{"first", SomePoints(5, 0), testing::TurnedPlatform(0)},
+                  {"second \"quoted\"", SomePoints(3, 0.5), testing::TurnedPlatform(20)}};
+  result.turntables = {{{"first", "x"}, {0, 0.6, 0.8}, {1, 2, 3}, 0.012, 1.1}};
+  result.registration = {true, 1, 20, 10, 0.05, 0.04, 0.07};
   result.points = SomePoints(8, 0);
   result.rejected = {{"third", "frame missing"}};
   return result;
@@ -75,6 +80,19 @@ TEST_F(ScanFiles, RoundTrip) {
   EXPECT_EQ(loaded.scans[1].id, "second \"quoted\"");
   EXPECT_EQ(loaded.scans[1].cloud.points, saved.scans[1].cloud.points);
   EXPECT_EQ(loaded.scans[1].cloud.confidence, saved.scans[1].cloud.confidence);
+  EXPECT_EQ(loaded.scans[1].cloud.sigma_mm, saved.scans[1].cloud.sigma_mm);
+  EXPECT_LT(
+      (loaded.scans[1].camera_from_world.Center() - testing::TurnedPlatform(20).Center()).norm(),
+      1e-9);
+  EXPECT_EQ(loaded.rig.projector_terms, 4);
+  EXPECT_EQ(loaded.rig.source, RigSource::kPlacements);
+  ASSERT_EQ(loaded.turntables.size(), 1U);
+  EXPECT_EQ(loaded.turntables[0].scans, saved.turntables[0].scans);
+  EXPECT_EQ(loaded.turntables[0].direction, saved.turntables[0].direction);
+  EXPECT_EQ(loaded.turntables[0].chi2_per_dof, 1.1);
+  EXPECT_TRUE(loaded.registration.kept);
+  EXPECT_EQ(loaded.registration.held_out, 10);
+  EXPECT_EQ(loaded.registration.after_mm, 0.04);
   EXPECT_EQ(loaded.points.points.size(), 8U);
   ASSERT_EQ(loaded.rejected.size(), 1U);
   EXPECT_EQ(loaded.rejected[0].reason, "frame missing");
@@ -113,6 +131,9 @@ TEST_F(ScanFiles, MalformedFilesAreErrors) {
   expect_error("{", "[");
   expect_error("\"width\": 240", "\"width\": 0");
   expect_error("\"id\": \"first\"", "\"id\": 7");
+  expect_error("\"source\": \"placements\"", "\"source\": \"guessed\"");
+  expect_error("\"kept\": true", "\"kept\": 1");
+  expect_error("\"projector_terms\": 4", "\"projector_terms\": 5");
 
   SaveScan(SomeResult(), folder_);
   std::filesystem::remove(folder_ / "scan_02.ply");
@@ -125,6 +146,36 @@ TEST_F(ScanFiles, MalformedFilesAreErrors) {
   WriteFileAtomically(folder_ / "rig.json", "");
   EXPECT_THROW(LoadScan(folder_), Error);
   EXPECT_THROW(LoadScan(folder_ / "nowhere"), Error);
+}
+
+TEST_F(ScanFiles, AKnownRigIsReadFromARigFile) {
+  const ScanResult saved = SomeResult();
+  SaveScan(saved, folder_);
+  ScanOptions options;
+  EXPECT_FALSE(KnownRigOf(options));
+  options.rig = (folder_ / "rig.json").string();
+  const auto known = KnownRigOf(options);
+  ASSERT_TRUE(known);
+  EXPECT_EQ(known->projector.k1, saved.rig.projector.k1);
+  EXPECT_EQ(known->camera.fx, saved.rig.camera.fx);
+  EXPECT_EQ(known->projector_from_camera.translation, saved.rig.projector_from_camera.translation);
+  EXPECT_EQ(known->source, options.rig);
+  const auto expect_error = [&](const std::string& text) {
+    WriteFileAtomically(folder_ / "rig.json", text);
+    EXPECT_THROW(KnownRigOf(options), Error) << text;
+  };
+  const std::string whole = ReadFile(folder_ / "rig.json");
+  for (size_t length : {size_t{0}, whole.size() / 4, whole.size() - 3}) {
+    expect_error(whole.substr(0, length));
+  }
+  expect_error("[]");
+  expect_error("{}");
+  expect_error(R"({"camera": 1, "projector": 2, "projector_from_camera": 3})");
+  std::string broken = whole;
+  broken.replace(broken.find("\"fx\": "), 6, "\"fx\": -");
+  expect_error(broken);
+  std::filesystem::remove(folder_ / "rig.json");
+  EXPECT_THROW(KnownRigOf(options), Error);
 }
 
 struct CommandRun {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/plate_correspondences.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scan/raster_correction.h"
+
+namespace lfm {
+namespace {
+
+constexpr double kPlateMarginMm = 1;
+constexpr double kFlatWhite = 0.08;  // largest relative spread of white about a correspondence
+constexpr int kFlatRadiusPx = 2;
+
+bool IsFlatWhite(const DecodedPixels& decoded, int x, int y) {
+  float low = 1e30F, high = 0;
+  for (int dy = -kFlatRadiusPx; dy <= kFlatRadiusPx; ++dy) {
+    for (int dx = -kFlatRadiusPx; dx <= kFlatRadiusPx; ++dx) {
+      const float c = decoded.contrast[static_cast<size_t>(y + dy) * decoded.width + x + dx];
+      low = std::min(low, c);
+      high = std::max(high, c);
+    }
+  }
+  return high > 0 && high - low <= kFlatWhite * high;
+}
+
+}  // namespace
+
+Eigen::Vector3d MeetPlate(const Pose& camera_from_world, const Eigen::Vector2d& ray) {
+  const Eigen::Vector3d normal = camera_from_world.rotation.col(2);
+  const Eigen::Vector3d direction = ray.homogeneous();
+  return direction * (normal.dot(camera_from_world.translation) / normal.dot(direction));
+}
+
+std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decoded,
+                                                      const std::vector<Eigen::Vector2d>& rays,
+                                                      const Board& board,
+                                                      const PlatePlacement& placement,
+                                                      int placement_index, int max_count) {
+  std::vector<PlateCorrespondence> all;
+  if (decoded.column.confidence.empty()) return all;
+  const bool rows = !decoded.row.confidence.empty();
+  const Pose world_from_camera = placement.camera_from_world.Inverse();
+  for (int y = kFlatRadiusPx; y + kFlatRadiusPx < decoded.height; ++y) {
+    for (int x = kFlatRadiusPx; x + kFlatRadiusPx < decoded.width; ++x) {
+      const size_t p = static_cast<size_t>(y) * decoded.width + x;
+      if (decoded.column.confidence[p] <= 0 || !IsFlatWhite(decoded, x, y)) continue;
+      if (rows && decoded.row.confidence[p] <= 0) continue;
+      const Eigen::Vector3d point = MeetPlate(placement.camera_from_world, rays[p]);
+      if (!point.allFinite() || point.z() <= 0) continue;
+      const Eigen::Vector3d on_plate = world_from_camera * point;
+      if (std::abs(on_plate.x()) > board.width_mm / 2 - kPlateMarginMm ||
+          std::abs(on_plate.y()) > board.height_mm / 2 - kPlateMarginMm) {
+        continue;
+      }
+      PlateCorrespondence c;
+      c.placement = placement_index;
+      c.ray = rays[p];
+      c.projector_px = {decoded.column.position[p], rows ? decoded.row.position[p] : 0.0};
+      c.sigma_px = {decoded.column.sigma[p], rows ? decoded.row.sigma[p] : 0.0};
+      c.column_slope = SlopeAt(decoded.column, decoded.width, decoded.height, x, y);
+      if (rows) c.row_slope = SlopeAt(decoded.row, decoded.width, decoded.height, x, y);
+      all.push_back(c);
+    }
+  }
+  const size_t limit = static_cast<size_t>(std::max(1, max_count));
+  // A stride that shares no factor with a row's length walks over rows and columns alike.
+  return EveryNth(all, (all.size() + limit - 1) / limit | 1);
+}
+
+}  // namespace lfm

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/raster_correction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace lfm {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kIterations = 20;
+constexpr double kMaxSteepness = 0.8;  // of e, for the iteration to converge
+constexpr double kJumpPx = 12;         // projector px between neighbours: another surface
+constexpr double kLeftShare = 0.15;    // of e's swing after its removal: slopes are not exact
+constexpr double kOutlierPx = 0.5;
+constexpr size_t kMinPoints = 200;
+constexpr double kMinSignificance = 5;
+
+double Sinc(double x) {
+  const double a = kPi * x;
+  return std::abs(a) < 1e-6 ? 1 - a * a / 6 : std::sin(a) / a;
+}
+
+bool Known(const Eigen::Vector2d& slope) { return slope.allFinite() && slope.squaredNorm() > 0; }
+
+/// e's first two amplitudes, for gain 1.
+Eigen::Vector2d Amplitudes(const Eigen::Vector2d& slope) {
+  return {-Sinc(slope.x()) * Sinc(slope.y()) / kPi,
+          Sinc(2 * slope.x()) * Sinc(2 * slope.y()) / (2 * kPi)};
+}
+
+/// Half the difference over `reach` pixels either side; none where either side is not decoded.
+std::optional<double> Difference(const AxisCoordinates& axis, size_t p, std::ptrdiff_t step) {
+  const size_t before = p - static_cast<size_t>(step), after = p + static_cast<size_t>(step);
+  if (axis.confidence[before] <= 0 || axis.confidence[after] <= 0) return std::nullopt;
+  const double difference = axis.position[after] - axis.position[before];
+  if (!(std::abs(difference) <= kJumpPx)) return std::nullopt;
+  return difference;
+}
+
+double SlopeAlong(const AxisCoordinates& axis, size_t p, std::ptrdiff_t stride, int place,
+                  int size) {
+  for (const int reach : {2, 1}) {
+    if (place < reach || place + reach >= size) continue;
+    const auto difference = Difference(axis, p, reach * stride);
+    if (difference) return *difference / (2 * reach);
+  }
+  return 0;
+}
+
+}  // namespace
+
+double RasterOffsetPx(double position, const Eigen::Vector2d& slope, double gain) {
+  const Eigen::Vector2d a = Amplitudes(slope);
+  const double phase = 2 * kPi * (position - std::floor(position));
+  return gain * a.x() * std::sin(phase) + std::pow(gain, 4) * a.y() * std::sin(2 * phase);
+}
+
+double RemoveRaster(double decoded, const Eigen::Vector2d& slope, double gain) {
+  if (gain <= 0 || !Known(slope)) return decoded;
+  const Eigen::Vector2d a = Amplitudes(slope);
+  const double steepness =
+      2 * kPi * (gain * std::abs(a.x()) + 2 * std::pow(gain, 4) * std::abs(a.y()));
+  if (!(steepness < kMaxSteepness)) return decoded;
+  double position = decoded;
+  for (int i = 0; i < kIterations; ++i) {
+    const double next = decoded - RasterOffsetPx(position, slope, gain);
+    const bool settled = std::abs(next - position) < 1e-7;
+    position = next;
+    if (settled) break;
+  }
+  return position;
+}
+
+Eigen::Vector2d SlopeAt(const AxisCoordinates& axis, int width, int height, int x, int y) {
+  const size_t p = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  return {SlopeAlong(axis, p, 1, x, width), SlopeAlong(axis, p, width, y, height)};
+}
+
+AxisCoordinates CorrectRaster(AxisCoordinates axis, int width, int height, double gain) {
+  if (gain <= 0) return axis;
+  AxisCoordinates corrected = axis;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const size_t p = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+      if (axis.confidence[p] <= 0) continue;
+      const Eigen::Vector2d slope = SlopeAt(axis, width, height, x, y);
+      const double decoded = axis.position[p], position = RemoveRaster(decoded, slope, gain);
+      // Nothing removed: all of it may be there.
+      const double share = position == decoded ? 1 : kLeftShare;
+      const double left = share * gain * std::abs(Amplitudes(slope).x()) / std::numbers::sqrt2;
+      corrected.position[p] = static_cast<float>(position);
+      corrected.sigma[p] = static_cast<float>(std::hypot(axis.sigma[p], left));
+    }
+  }
+  return corrected;
+}
+
+std::vector<PlateCorrespondence> CorrectRaster(std::vector<PlateCorrespondence> all, double gain) {
+  for (PlateCorrespondence& c : all) {
+    c.projector_px.x() = RemoveRaster(c.projector_px.x(), c.column_slope, gain);
+    c.projector_px.y() = RemoveRaster(c.projector_px.y(), c.row_slope, gain);
+  }
+  return all;
+}
+
+double FitRasterGain(const RigState& state, const std::vector<PlateCorrespondence>& all) {
+  double product = 0, square = 0, residual_square = 0;
+  size_t count = 0;
+  for (const PlateCorrespondence& c : all) {
+    const std::optional<Eigen::Vector2d> off = RigResidualPx(state, c);
+    if (!off) continue;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d& slope = axis == 0 ? c.column_slope : c.row_slope;
+      if (!Known(slope) || !(c.sigma_px[axis] > 0)) continue;
+      const double decoded_off = -(*off)[axis];
+      if (!(std::abs(decoded_off) <= kOutlierPx)) continue;
+      const double place = c.projector_px[axis] - decoded_off;
+      const double basis = Amplitudes(slope).x() * std::sin(2 * kPi * (place - std::floor(place)));
+      product += basis * decoded_off;
+      square += basis * basis;
+      residual_square += decoded_off * decoded_off;
+      ++count;
+    }
+  }
+  if (count < kMinPoints || !(square > 0)) return 0;
+  const double gain = product / square;
+  const double left = std::max(0.0, residual_square - gain * product);
+  const double sigma = std::sqrt(left / static_cast<double>(count) / square);
+  return gain > kMinSignificance * sigma ? std::min(gain, 1.5) : 0;
+}
+
+}  // namespace lfm
