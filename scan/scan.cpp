@@ -297,7 +297,7 @@ std::vector<std::string> DescribePoses(const ScanResult& result) {
   }
   const RegistrationReport& r = result.registration;
   if (r.held_out == 0) {
-    lines.push_back("registration: scans stand where the platform puts them");
+    lines.emplace_back("registration: scans stand where the platform puts them");
   } else {
     lines.push_back("registration: " + std::to_string(r.pairs) +
                     " pairs of scans, held-out points " + Millimetres(r.before_mm) + " before, " +

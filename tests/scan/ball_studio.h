@@ -124,13 +124,13 @@ inline const Studio& TheStudio() {
 }
 
 inline ScanResult RunScan(const Studio& studio, const ScanOptions& options = {},
-                          const std::optional<KnownRig>& known = std::nullopt) {
+                          const std::optional<lfm::KnownRig>& known = std::nullopt) {
   return Scan(studio.capture, studio.board, studio.calib, studio.Loader(), options,
               SilentProgress(), known);
 }
 
 inline std::string ErrorOf(const Studio& studio,
-                           const std::optional<KnownRig>& known = std::nullopt) {
+                           const std::optional<lfm::KnownRig>& known = std::nullopt) {
   try {
     RunScan(studio, {}, known);
   } catch (const Error& error) {

@@ -127,7 +127,7 @@ TEST(RigCalibration, ExactCorrespondencesGiveTheRigBack) {
               1e-6);
     EXPECT_LT(found.rig.projector_rms_px, 1e-5);
     EXPECT_LT(WorstDepthError(found.rig, scene.truth), 1e-4);
-    EXPECT_EQ(found.lens_terms > 0, distorted);
+    EXPECT_EQ(found.rig.projector_terms > 0, distorted);
     EXPECT_EQ(found.used, static_cast<int>(scene.correspondences.size()));
   }
 }
