@@ -32,22 +32,26 @@ Eigen::Vector2d Amplitudes(const Eigen::Vector2d& slope) {
           Sinc(2 * slope.x()) * Sinc(2 * slope.y()) / (2 * kPi)};
 }
 
-/// Half the difference over `reach` pixels either side; none where either side is not decoded.
-std::optional<double> Difference(const AxisCoordinates& axis, size_t p, std::ptrdiff_t step) {
-  const size_t before = p - static_cast<size_t>(step), after = p + static_cast<size_t>(step);
+/// Difference between two pixels; none where either is not decoded, or they jump.
+std::optional<double> Difference(const AxisCoordinates& axis, size_t before, size_t after) {
   if (axis.confidence[before] <= 0 || axis.confidence[after] <= 0) return std::nullopt;
   const double difference = axis.position[after] - axis.position[before];
   if (!(std::abs(difference) <= kJumpPx)) return std::nullopt;
   return difference;
 }
 
-double SlopeAlong(const AxisCoordinates& axis, size_t p, std::ptrdiff_t stride, int place,
-                  int size) {
-  for (const int reach : {2, 1}) {
-    if (place < reach || place + reach >= size) continue;
-    const auto difference = Difference(axis, p, reach * stride);
-    if (difference) return *difference / (2 * reach);
+double SlopeAlong(const AxisCoordinates& axis, size_t p, size_t stride, int place, int size) {
+  for (const size_t reach : {2, 1}) {
+    const int r = static_cast<int>(reach);
+    if (place < r || place + r >= size) continue;
+    const auto both = Difference(axis, p - reach * stride, p + reach * stride);
+    if (both) return *both / (2 * r);
   }
+  if (place + 1 < size) {
+    const auto ahead = Difference(axis, p, p + stride);
+    if (ahead) return *ahead;
+  }
+  if (place > 0) return Difference(axis, p - stride, p).value_or(0);
   return 0;
 }
 
@@ -77,7 +81,8 @@ double RemoveRaster(double decoded, const Eigen::Vector2d& slope, double gain) {
 
 Eigen::Vector2d SlopeAt(const AxisCoordinates& axis, int width, int height, int x, int y) {
   const size_t p = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-  return {SlopeAlong(axis, p, 1, x, width), SlopeAlong(axis, p, width, y, height)};
+  return {SlopeAlong(axis, p, 1, x, width),
+          SlopeAlong(axis, p, static_cast<size_t>(width), y, height)};
 }
 
 AxisCoordinates CorrectRaster(AxisCoordinates axis, int width, int height, double gain) {

@@ -26,7 +26,8 @@ double RasterOffsetPx(double position, const Eigen::Vector2d& slope, double gain
 double RemoveRaster(double decoded, const Eigen::Vector2d& slope, double gain);
 
 /// Change of a decoded axis by one camera pixel to the right and down, from neighbours two pixels
-/// away (one, at the border of what is decoded). Zero where there are none, or they jump.
+/// away (one, or those of one side, at the border of what is decoded). Zero where there are none,
+/// or they jump.
 Eigen::Vector2d SlopeAt(const AxisCoordinates& axis, int width, int height, int x, int y);
 
 /// Removes the raster from all decoded positions of an axis, and adds to their sigmas what of it

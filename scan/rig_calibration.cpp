@@ -87,7 +87,10 @@ int ChooseLensTerms(const RigState& start, const std::vector<PlatePlacement>& pl
     for (size_t left_out = 0; left_out < count; ++left_out) {
       RigData data{placements, some, std::vector<bool>(count, true)};
       data.included[left_out] = false;
-      const RigState state = AdjustRig(start, data, {.projector_terms = terms}, options);
+      // The left-out placement stands where it was known to stand, whatever fits moved it.
+      RigState without = start;
+      without.platforms[left_out] = placements[left_out].camera_from_world;
+      const RigState state = AdjustRig(without, data, {.projector_terms = terms}, options);
       error += HeldOutError(state, some, static_cast<int>(left_out));
     }
     error /= static_cast<double>(count);

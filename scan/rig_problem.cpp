@@ -118,18 +118,22 @@ struct CornerResidual {
   }
 };
 
+/// How far a pose lies from what was known of it beforehand, whitened.
 struct PosePrior {
   Eigen::Matrix<double, 6, 6> whitening;
-  Eigen::Vector3d translation;
+  Pose known;
+  Eigen::Matrix3d platform_start;
   template <typename T>
   bool operator()(const T* pose, T* residual) const {
-    Eigen::Matrix<T, 6, 1> off;
-    for (int i = 0; i < 3; ++i) {
-      off[i] = pose[i];
-      off[3 + i] = pose[3 + i] - translation[i];
-    }
+    const Eigen::Matrix<T, 3, 3> off =
+        RotationOf<T>(platform_start, pose) * known.rotation.transpose().cast<T>();
+    Eigen::Matrix<T, 6, 1> raw;
+    // Small: half the skew part is the rotation vector to second order.
+    raw << (off(2, 1) - off(1, 2)) / 2.0, (off(0, 2) - off(2, 0)) / 2.0,
+        (off(1, 0) - off(0, 1)) / 2.0, pose[3] - known.translation[0],
+        pose[4] - known.translation[1], pose[5] - known.translation[2];
     Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residual);
-    out = whitening.cast<T>() * off;
+    out = whitening.cast<T>() * raw;
     return true;
   }
 };

@@ -20,6 +20,11 @@ constexpr int kMinConnected = 6;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
 constexpr double kSmallestSigmaMm = 1e-4;
+// A pixel's depth gives way to its neighbourhood's by this share: what shifts single pixels (light
+// that differs within them, facets, noise) is independent, and a plane over two pixels errs little.
+constexpr double kNeighbourShare = 0.7;
+// The neighbourhood's own error, as a share of its roughness.
+constexpr double kNeighbourError = 0.4;
 constexpr double kGoodSigmaMm = 0.15;  // an expected error of this size halves the confidence
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -130,7 +135,8 @@ double DepthPerColumn(const RigCalibration& rig, const Eigen::Vector2d& ray, dou
 struct PixelVerdict {
   Eigen::Vector3f normal = {0, 0, 0};
   float confidence = 0;
-  double seen = 0;  ///< cosine between normal and line of sight
+  double seen = 0;      ///< cosine between normal and line of sight
+  double rough_mm = 0;  ///< RMS of the neighbourhood about its plane, across it
 };
 
 PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2d& ray,
@@ -155,6 +161,7 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
   const double confidence = decoding * std::sqrt(std::min(seen, lit)) / (1 + expected * expected);
   if (!(confidence >= options.min_confidence)) return verdict;
   verdict.seen = seen;
+  verdict.rough_mm = rough;
   verdict.normal = normal.cast<float>();
   verdict.confidence = static_cast<float>(std::min(1.0, confidence));
   return verdict;
@@ -237,12 +244,14 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
       const PixelVerdict verdict = Judge(projector_center, rays[p], depth[p], *fit, sigma_mm,
                                          decoded.column.confidence[p], options);
       if (verdict.confidence <= 0) continue;
-      map.depth[p] = depth[p];
+      map.depth[p] = 1 / (kNeighbourShare * fit->center + (1 - kNeighbourShare) / depth[p]);
       map.normal[p] = verdict.normal;
       map.confidence[p] = verdict.confidence;
       const double rig_px = ColumnSigmaPx(rig, uncertainty, depth[p] * rays[p].homogeneous());
-      const double along = std::hypot(sigma_mm, rig_px * mm_per_px);
-      map.sigma_mm[p] = static_cast<float>(std::max(kSmallestSigmaMm, along * verdict.seen));
+      const double noise_mm = std::max(sigma_mm * verdict.seen, verdict.rough_mm);
+      const double smoothed_mm = noise_mm * std::hypot(1 - kNeighbourShare, kNeighbourError);
+      const double across = std::hypot(smoothed_mm, rig_px * mm_per_px * verdict.seen);
+      map.sigma_mm[p] = static_cast<float>(std::max(kSmallestSigmaMm, across));
     }
   }
   return map;

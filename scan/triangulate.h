@@ -41,7 +41,8 @@ struct RangeMap {
 ///
 /// Inverse depth is affine over the picture of a plane. About each pixel a robust affine fit to the
 /// inverse depths of the connected pixels within two steps gives the normal and what the
-/// neighbours say about the pixel's own depth. Dropped are pixels
+/// neighbours say about the pixel's own depth, which takes 0.7 of its value from them (what moves
+/// single pixels - noise, light that differs within a pixel - is independent). Dropped are pixels
 /// - that differ from it by more than `max_ray_gap_mm` across the surface (depth edges, mixed
 ///   pixels, wrong periods),
 /// - with fewer than six of eight connected neighbours (single pixels, threads, silhouettes),

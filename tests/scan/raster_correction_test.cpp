@@ -35,7 +35,7 @@ TEST(RasterCorrection, OffsetIsThatOfAFringeOfSquares) {
     for (double x = 100; x < 102; x += 0.13) {
       const double decoded = DecodeFringe(x, slope);
       EXPECT_NEAR(decoded - x, RasterOffsetPx(x, slope, 1), 0.02) << x << " " << slope.transpose();
-      EXPECT_NEAR(RemoveRaster(decoded, slope, 1), x, 0.02) << x << " " << slope.transpose();
+      EXPECT_NEAR(RemoveRaster(decoded, slope, 1), x, 0.03) << x << " " << slope.transpose();
     }
   }
 }
@@ -84,9 +84,11 @@ TEST(RasterCorrection, SlopesDoNotCrossJumps) {
   axis.sigma.assign(7, 0.1F);
   axis.confidence.assign(7, 1);
   EXPECT_NEAR(SlopeAt(axis, 7, 1, 2, 0).x(), 1, 1e-6);
+  EXPECT_NEAR(SlopeAt(axis, 7, 1, 3, 0).x(), 1, 1e-6);
+  EXPECT_NEAR(SlopeAt(axis, 7, 1, 0, 0).x(), 1, 1e-6);
+  axis.confidence[2] = 0;
   EXPECT_EQ(SlopeAt(axis, 7, 1, 3, 0).x(), 0);
-  EXPECT_EQ(SlopeAt(axis, 7, 1, 0, 0).x(), 0);
-  EXPECT_EQ(SlopeAt(axis, 7, 1, 2, 0).y(), 0);
+  EXPECT_EQ(SlopeAt(axis, 7, 1, 1, 0).y(), 0);
 }
 
 }  // namespace
