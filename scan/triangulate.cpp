@@ -20,11 +20,6 @@ constexpr int kMinConnected = 6;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
 constexpr double kSmallestSigmaMm = 1e-4;
-// A pixel's depth gives way to its neighbourhood's by this share: what shifts single pixels (light
-// that differs within them, facets, noise) is independent, and a plane over two pixels errs little.
-constexpr double kNeighbourShare = 0.7;
-// The neighbourhood's own error, as a share of its roughness.
-constexpr double kNeighbourError = 0.4;
 constexpr double kGoodSigmaMm = 0.15;  // an expected error of this size halves the confidence
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -244,13 +239,14 @@ RangeMap Triangulate(const RigCalibration& rig, const std::vector<Eigen::Vector2
       const PixelVerdict verdict = Judge(projector_center, rays[p], depth[p], *fit, sigma_mm,
                                          decoded.column.confidence[p], options);
       if (verdict.confidence <= 0) continue;
-      map.depth[p] = 1 / (kNeighbourShare * fit->center + (1 - kNeighbourShare) / depth[p]);
+      map.depth[p] = depth[p];
       map.normal[p] = verdict.normal;
       map.confidence[p] = verdict.confidence;
       const double rig_px = ColumnSigmaPx(rig, uncertainty, depth[p] * rays[p].homogeneous());
+      // What moves single pixels beside noise (light that differs within them) shows in the
+      // neighbourhood's roughness.
       const double noise_mm = std::max(sigma_mm * verdict.seen, verdict.rough_mm);
-      const double smoothed_mm = noise_mm * std::hypot(1 - kNeighbourShare, kNeighbourError);
-      const double across = std::hypot(smoothed_mm, rig_px * mm_per_px * verdict.seen);
+      const double across = std::hypot(noise_mm, rig_px * mm_per_px * verdict.seen);
       map.sigma_mm[p] = static_cast<float>(std::max(kSmallestSigmaMm, across));
     }
   }

@@ -32,8 +32,9 @@ struct RangeMap {
   std::vector<double> depth;            ///< Z, mm; 0 = nothing (left)
   std::vector<Eigen::Vector3f> normal;  ///< unit, towards the scanner
   std::vector<float> confidence;        ///< [0, 1]
-  /// Standard deviation across the surface, mm, from decoding and from what is not known of the
-  /// projector; 0 where nothing is measured. What is not known of the scan's pose is not in it.
+  /// Standard deviation across the surface, mm, from decoding (or the neighbourhood's roughness,
+  /// where that is more) and from what is not known of the projector; 0 where nothing is measured.
+  /// What is not known of the scan's pose is not in it.
   std::vector<float> sigma_mm;
 };
 
@@ -41,8 +42,7 @@ struct RangeMap {
 ///
 /// Inverse depth is affine over the picture of a plane. About each pixel a robust affine fit to the
 /// inverse depths of the connected pixels within two steps gives the normal and what the
-/// neighbours say about the pixel's own depth, which takes 0.7 of its value from them (what moves
-/// single pixels - noise, light that differs within a pixel - is independent). Dropped are pixels
+/// neighbours say about the pixel's own depth. Dropped are pixels
 /// - that differ from it by more than `max_ray_gap_mm` across the surface (depth edges, mixed
 ///   pixels, wrong periods),
 /// - with fewer than six of eight connected neighbours (single pixels, threads, silhouettes),
