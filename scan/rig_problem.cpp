@@ -174,9 +174,10 @@ void AddPlatform(const RigState& state, const PlatePlacement& placement, size_t 
   if (!covariance.allFinite()) covariance.setZero();
   covariance.diagonal().head<3>().array() += kTurnFloorRad * kTurnFloorRad;
   covariance.diagonal().tail<3>().array() += kShiftFloorMm * kShiftFloorMm;
-  a.problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 6>(new PosePrior{
-                                 WhitenPose(covariance), state.platforms[i].translation}),
-                             nullptr, a.platforms[i].data());
+  a.problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<PosePrior, 6, 6>(new PosePrior{
+          WhitenPose(covariance), placement.camera_from_world, state.platforms[i].rotation}),
+      nullptr, a.platforms[i].data());
 }
 
 void AddCorrespondence(const RigState& state, const PlateCorrespondence& seen, bool camera_free,
