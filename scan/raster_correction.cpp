@@ -32,6 +32,16 @@ Eigen::Vector2d Amplitudes(const Eigen::Vector2d& slope) {
           Sinc(2 * slope.x()) * Sinc(2 * slope.y()) / (2 * kPi)};
 }
 
+/// e's largest derivative.
+double Steepness(const Eigen::Vector2d& slope, double gain) {
+  const Eigen::Vector2d a = Amplitudes(slope);
+  return 2 * kPi * (gain * std::abs(a.x()) + 2 * std::pow(gain, 4) * std::abs(a.y()));
+}
+
+bool CanRemove(const Eigen::Vector2d& slope, double gain) {
+  return gain > 0 && Known(slope) && Steepness(slope, gain) < kMaxSteepness;
+}
+
 /// Difference between two pixels; none where either is not decoded, or they jump.
 std::optional<double> Difference(const AxisCoordinates& axis, size_t before, size_t after) {
   if (axis.confidence[before] <= 0 || axis.confidence[after] <= 0) return std::nullopt;
@@ -64,11 +74,7 @@ double RasterOffsetPx(double position, const Eigen::Vector2d& slope, double gain
 }
 
 double RemoveRaster(double decoded, const Eigen::Vector2d& slope, double gain) {
-  if (gain <= 0 || !Known(slope)) return decoded;
-  const Eigen::Vector2d a = Amplitudes(slope);
-  const double steepness =
-      2 * kPi * (gain * std::abs(a.x()) + 2 * std::pow(gain, 4) * std::abs(a.y()));
-  if (!(steepness < kMaxSteepness)) return decoded;
+  if (!CanRemove(slope, gain)) return decoded;
   double position = decoded;
   for (int i = 0; i < kIterations; ++i) {
     const double next = decoded - RasterOffsetPx(position, slope, gain);
@@ -93,11 +99,9 @@ AxisCoordinates CorrectRaster(AxisCoordinates axis, int width, int height, doubl
       const size_t p = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
       if (axis.confidence[p] <= 0) continue;
       const Eigen::Vector2d slope = SlopeAt(axis, width, height, x, y);
-      const double decoded = axis.position[p], position = RemoveRaster(decoded, slope, gain);
-      // Nothing removed: all of it may be there.
-      const double share = position == decoded ? 1 : kLeftShare;
+      const double share = CanRemove(slope, gain) ? kLeftShare : 1;
       const double left = share * gain * std::abs(Amplitudes(slope).x()) / std::numbers::sqrt2;
-      corrected.position[p] = static_cast<float>(position);
+      corrected.position[p] = static_cast<float>(RemoveRaster(axis.position[p], slope, gain));
       corrected.sigma[p] = static_cast<float>(std::hypot(axis.sigma[p], left));
     }
   }

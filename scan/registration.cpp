@@ -178,6 +178,8 @@ std::vector<Pose> AdjustPoses(const Search& search, const std::vector<Pose>& pos
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // Threaded BLAS sums in an order of its own: the result would depend on the machine.
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.max_num_iterations = 20;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;

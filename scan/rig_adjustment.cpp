@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -14,6 +15,7 @@ namespace lfm {
 namespace {
 
 constexpr double kSingular = 1e300;
+constexpr double kSameSigma = 0.9;
 
 /// J^T J, dense, at the problem's present parameters; columns in the order of `blocks` (free
 /// directions only). Empty when a residual cannot be evaluated.
@@ -72,22 +74,31 @@ Eigen::MatrixXd InverseOrEmpty(const Eigen::MatrixXd& matrix) {
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 
+/// Poses are eliminated first. Within a group Ceres sorts by address, which differs from run to run,
+/// so every other block has a group of its own.
 std::shared_ptr<ceres::ParameterBlockOrdering> PosesFirst(RigProblem& a) {
+  std::vector<double*> others = a.ProjectorBlocks();
+  others.push_back(a.camera.data());
+  for (RunParameters& run : a.runs) {
+    others.push_back(run.axis.data());
+    others.push_back(run.base.data());
+    for (double& angle : run.angles) others.push_back(&angle);
+  }
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  std::vector<double*> blocks;
-  a.problem.GetParameterBlocks(&blocks);
-  for (double* block : blocks) ordering->AddElementToGroup(block, 1);
+  int group = 1;
+  for (double* block : others) {
+    if (a.problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, group++);
+  }
   for (PoseParameters& pose : a.platforms) {
     if (a.problem.HasParameterBlock(pose.data())) ordering->AddElementToGroup(pose.data(), 0);
   }
   return ordering;
 }
 
-}  // namespace
-
-RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom& freedom,
-                   const RigCalibrationOptions& options) {
-  const std::unique_ptr<RigProblem> a = BuildRigProblem(start, data, freedom, options);
+RigState SolveOnce(const RigState& start, const RigData& data, const RigFreedom& freedom,
+                   const RigCalibrationOptions& options, double corner_sigma_px) {
+  const std::unique_ptr<RigProblem> a =
+      BuildRigProblem(start, data, freedom, options, corner_sigma_px);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = PosesFirst(*a);
@@ -106,9 +117,22 @@ RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom&
   return StateOf(*a, start);
 }
 
+}  // namespace
+
+RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom& freedom,
+                   const RigCalibrationOptions& options) {
+  const double sigma_px = CornerSigmaPx(start, data.placements);
+  const RigState once = SolveOnce(start, data, freedom, options, sigma_px);
+  // A start that is off makes corners look noisier than they are.
+  const double better_px = CornerSigmaPx(once, data.placements);
+  return better_px < kSameSigma * sigma_px ? SolveOnce(start, data, freedom, options, better_px)
+                                           : once;
+}
+
 double RigCondition(const RigState& state, const RigData& data,
                     const RigCalibrationOptions& options) {
-  const std::unique_ptr<RigProblem> a = BuildRigProblem(state, data, {}, options);
+  const std::unique_ptr<RigProblem> a =
+      BuildRigProblem(state, data, {}, options, CornerSigmaPx(state, data.placements));
   std::vector<double*> blocks = {a->pinhole.data(), a->turn.data(), a->translation.data()};
   for (PoseParameters& pose : a->platforms) blocks.push_back(pose.data());
   const NormalMatrix normal = ComputeNormalMatrix(*a, blocks);
@@ -128,7 +152,8 @@ RigCovariance ComputeRigCovariance(const RigState& state, const RigData& data,
   RigCovariance result;
   result.platforms.assign(data.placements.size(), Eigen::Matrix<double, 6, 6>::Zero());
   const RigData without_runs{data.placements, data.correspondences, data.included};
-  const std::unique_ptr<RigProblem> a = BuildRigProblem(state, without_runs, freedom, options);
+  const std::unique_ptr<RigProblem> a =
+      BuildRigProblem(state, without_runs, freedom, options, CornerSigmaPx(state, data.placements));
   std::vector<double*> blocks;
   std::vector<Eigen::Index> projector_places;  // rows of RigCovariance::projector
   if (freedom.projector) {

@@ -42,7 +42,8 @@ struct RigFreedom {
 /// - a correspondence: predicted minus decoded projector pixel of the point where the camera's ray
 ///   meets the plate (sigma: decoding and `sigma_floor_px`);
 /// - a corner: predicted minus seen camera pixel (sigma: robust spread at the start, 0.01 px at
-///   least); a placement without corners: distance of its pose from the start, by its covariance;
+///   least; once more with the spread at the solution where that is less); a placement without
+///   corners: distance of its pose from the start, by its covariance;
 /// - a member of a turntable run: distance of its pose from the run's axis, by the table's play.
 /// One thread. Throws Error when the solver fails.
 RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom& freedom,

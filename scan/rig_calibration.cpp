@@ -223,10 +223,13 @@ RigRefinement RefineRig(const RigCalibration& rig, std::optional<int> camera_ter
   for (const PlatePlacement& p : placements) start.platforms.push_back(p.camera_from_world);
   RigState state = AdjustRig(start, data, freedom, options);
 
+  // Given the camera: what its intrinsics leave open, poses and projector move with, and points on
+  // the platform hardly feel it.
+  const RigFreedom given_camera{freedom.projector, freedom.projector_terms, std::nullopt};
   const auto covariance_at = [&](const RigState& at) {
     const std::vector<PlateCorrespondence> some = IndependentOf(
         UnderCamera(evidence.correspondences, start.camera, at.camera), placements.size());
-    return ComputeRigCovariance(at, {placements, some, data.included}, freedom, options);
+    return ComputeRigCovariance(at, {placements, some, data.included}, given_camera, options);
   };
   RigCovariance covariance = covariance_at(state);
   std::vector<PoseEstimate> scans;

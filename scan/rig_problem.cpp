@@ -144,29 +144,12 @@ std::vector<int> Range(int begin, int end) {
   return list;
 }
 
-/// Robust standard deviation of a corner coordinate at the start; 1 without corners.
-double CornerSigma(const RigState& state, const std::vector<PlatePlacement>& placements) {
-  std::vector<double> off;
-  for (size_t i = 0; i < placements.size(); ++i) {
-    for (const SeenCorner& seen : placements[i].corners) {
-      const auto pixel = Project(state.camera, state.platforms[i] * seen.point_in_world);
-      if (!pixel) continue;
-      off.push_back(std::abs(pixel->x() - seen.pixel.x()));
-      off.push_back(std::abs(pixel->y() - seen.pixel.y()));
-    }
-  }
-  if (off.empty()) return 1;
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  return std::max(kCornerSigmaFloorPx, kMadToSigma * *middle);
-}
-
 void AddPlatform(const RigState& state, const PlatePlacement& placement, size_t i,
-                 double corner_sigma, double robust_scale, RigProblem& a) {
+                 double corner_sigma_px, double robust_scale, RigProblem& a) {
   for (const SeenCorner& seen : placement.corners) {
     a.problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<CornerResidual, 2, 9, 6>(
-            new CornerResidual{seen, state.platforms[i].rotation, 1 / corner_sigma}),
+            new CornerResidual{seen, state.platforms[i].rotation, 1 / corner_sigma_px}),
         new ceres::HuberLoss(robust_scale), a.camera.data(), a.platforms[i].data());
   }
   if (!placement.corners.empty()) return;
@@ -246,9 +229,26 @@ void HoldUnknowns(const RigFreedom& freedom, RigProblem& a) {
 
 }  // namespace
 
+double CornerSigmaPx(const RigState& state, const std::vector<PlatePlacement>& placements) {
+  std::vector<double> off;
+  for (size_t i = 0; i < placements.size(); ++i) {
+    for (const SeenCorner& seen : placements[i].corners) {
+      const auto pixel = Project(state.camera, state.platforms[i] * seen.point_in_world);
+      if (!pixel) continue;
+      off.push_back(std::abs(pixel->x() - seen.pixel.x()));
+      off.push_back(std::abs(pixel->y() - seen.pixel.y()));
+    }
+  }
+  if (off.empty()) return 1;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return std::max(kCornerSigmaFloorPx, kMadToSigma * *middle);
+}
+
 std::unique_ptr<RigProblem> BuildRigProblem(const RigState& state, const RigData& data,
                                             const RigFreedom& freedom,
-                                            const RigCalibrationOptions& options) {
+                                            const RigCalibrationOptions& options,
+                                            double corner_sigma_px) {
   auto a = std::make_unique<RigProblem>();
   const Camera &c = state.camera, &p = state.projector;
   a->camera = {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
@@ -257,10 +257,9 @@ std::unique_ptr<RigProblem> BuildRigProblem(const RigState& state, const RigData
   const Eigen::Vector3d& t = state.projector_from_camera.translation;
   a->translation = {t.x(), t.y(), t.z()};
   for (const Pose& pose : state.platforms) a->platforms.push_back(PackPose(pose));
-  const double corner_sigma = CornerSigma(state, data.placements);
   for (size_t i = 0; i < data.placements.size(); ++i) {
     if (!data.included[i]) continue;
-    AddPlatform(state, data.placements[i], i, corner_sigma, options.robust_scale, *a);
+    AddPlatform(state, data.placements[i], i, corner_sigma_px, options.robust_scale, *a);
   }
   for (const PlateCorrespondence& seen : data.correspondences) {
     if (!data.included[static_cast<size_t>(seen.placement)]) continue;

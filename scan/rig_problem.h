@@ -29,10 +29,16 @@ struct RigProblem {
   }
 };
 
-/// Poses are in the problem where `data.included`. All parameters stand at `state`.
+/// Robust standard deviation of a corner's coordinate at `state` (px, 0.01 at least); 1 without
+/// corners.
+double CornerSigmaPx(const RigState& state, const std::vector<PlatePlacement>& placements);
+
+/// Poses are in the problem where `data.included`. All parameters stand at `state`, whose camera
+/// the correspondences' rays are of.
 std::unique_ptr<RigProblem> BuildRigProblem(const RigState& state, const RigData& data,
                                             const RigFreedom& freedom,
-                                            const RigCalibrationOptions& options);
+                                            const RigCalibrationOptions& options,
+                                            double corner_sigma_px);
 
 /// The state at the problem's present parameters; `start` is what it was built from.
 RigState StateOf(const RigProblem& problem, const RigState& start);

@@ -281,6 +281,18 @@ std::vector<ScanCloud> MakeClouds(std::vector<PosedRange> ranges, const Standing
               example.id + ": " + example.reason);
 }
 
+/// RMS of the corners that calibration found in the scanner's pictures.
+double CameraRms(const CalibResult& calib) {
+  double sum = 0, count = 0;
+  for (const auto* poses : {&calib.scans, &calib.placements}) {
+    for (const PosedImage& p : *poses) {
+      sum += p.corners * p.reprojection_rms_px * p.reprojection_rms_px;
+      count += p.corners;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
 std::string Millimetres(double mm) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4f mm", mm);
@@ -344,6 +356,7 @@ ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& c
                 static_cast<int>(scans_begin), options.turntable, {});
   if (known) RequireAgreement(AgreementOf(count, refined), *known);
   result.rig = refined.rig;
+  if (result.rig.camera_rms_px == 0) result.rig.camera_rms_px = CameraRms(calib);
   result.turntables = ReportRuns(refined.runs, decoded.scans.usable, scans_begin);
 
   const std::vector<Eigen::Vector2d> rays = NormalizedRays(result.rig.camera);

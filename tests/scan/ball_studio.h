@@ -32,8 +32,10 @@ struct Studio {
   CalibResult calib;
   Board board;
   std::map<std::string, Image> files;
+  int samples_a_side;
 
-  Studio() {
+  /// A pixel gathers light at `samples` x `samples` places.
+  explicit Studio(int samples = 3) : samples_a_side(samples) {
     board.width_mm = board.height_mm = 220;
     capture.name = "ball";
     capture.cameras["scanner"] = {rig.camera.width, rig.camera.height, std::nullopt};
@@ -64,6 +66,7 @@ struct Studio {
               const PatternSequence& sequence, std::vector<PosedImage>& poses) {
     RenderSettings settings;
     settings.seed = static_cast<uint32_t>(files.size()) + 1;
+    settings.samples = samples_a_side;
     ScanSet set;
     set.id = id;
     const std::vector<Image> frames = RenderScan(rig, pose, surface, sequence, settings);
