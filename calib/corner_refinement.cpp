@@ -190,21 +190,10 @@ void CheckGray(const Image& gray) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
-  std::vector<Eigen::Vector3d> corners;
-  for (const BoardTag& tag : board.tags) {
-    const std::array<Eigen::Vector3d, 4> of_tag = board.TagCorners(tag);
-    corners.insert(corners.end(), of_tag.begin(), of_tag.end());
-  }
-  const std::vector<Eigen::Vector3d> of_checker = board.CheckerCorners();
-  corners.insert(corners.end(), of_checker.begin(), of_checker.end());
-  return corners;
-}
-
 Image LinearGray(const Image& picture) { return ToGray(ToLinearFloat(picture)); }
 
 std::vector<CornerObservation> FindCorners(const Image& linear_gray, const BoardPrint& print,
-                                           const std::vector<Eigen::Vector3d>& corners,
+                                           const std::vector<CornerPlace>& corners,
                                            const Camera& camera, const Pose& camera_from_world,
                                            const CornerSearch& search) {
   CheckGray(linear_gray);
@@ -225,7 +214,7 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
 }
 
 double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
-                    const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
+                    const std::vector<CornerPlace>& corners, const Camera& camera,
                     const Pose& camera_from_world, const std::vector<CornerObservation>& observed,
                     const CornerSearch& search) {
   CheckGray(linear_gray);

@@ -49,8 +49,8 @@ PixelFootprint MakePixelFootprint(double blur_px) {
 }
 
 std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_from_world,
-                                       const Eigen::Vector3d& board_point) {
-  const Eigen::Vector3d point = camera_from_world * board_point;
+                                       const CornerPlace& place) {
+  const Eigen::Vector3d point = camera_from_world * place.position;
   const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
   if (!pixel || !camera.Contains(*pixel)) return std::nullopt;
   const Eigen::Vector2d normalized = point.hnormalized();
@@ -65,8 +65,12 @@ std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_
   Eigen::Matrix3d normalized_from_offset = Eigen::Matrix3d::Identity();
   normalized_from_offset.topLeftCorner<2, 2>() = pixel_by_normalized.inverse();
   normalized_from_offset.topRightCorner<2, 1>() = normalized;
-  Eigen::Matrix3d ray_from_board = camera_from_world.rotation;
-  ray_from_board.col(2) = camera_from_world.translation;
+  const Eigen::Vector3d right(1, 0, place.slope.x()), up(0, 1, place.slope.y());
+  const Eigen::Vector3d origin =
+      place.position - place.printed.x() * right - place.printed.y() * up;
+  Eigen::Matrix3d ray_from_board;
+  ray_from_board << camera_from_world.rotation * right, camera_from_world.rotation * up,
+      camera_from_world * origin;
   LocalView view;
   view.pixel = *pixel;
   view.board_from_pixel = ray_from_board.inverse() * normalized_from_offset;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/board.h"
+#include "calib/platform_shape.h"
 #include "core/camera.h"
 #include "core/pose.h"
 
@@ -32,9 +33,10 @@ struct LocalView {
       board_from_pixel;  ///< homography from offsets to `pixel` to board coordinates, mm
 };
 
-/// No answer when the point or its surroundings do not appear in the picture.
+/// Near a corner the plate is its tangent plane. No answer when the point or its surroundings do not
+/// appear in the picture.
 std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_from_world,
-                                       const Eigen::Vector3d& board_point);
+                                       const CornerPlace& place);
 
 /// What one pixel sees of the print: mean reflectance (0 ink, 1 paper) over its footprint, at
 /// `offset` pixels from `view.pixel`; -1 when the blur's tail reaches beyond the plate, of whose

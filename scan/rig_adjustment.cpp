@@ -37,7 +37,7 @@ struct ProjectorResidual {
   PlateCorrespondence seen;
   const PriorPlane* plane;
   Eigen::Matrix3d rotation;
-  double k3;
+  Camera lens_rest;  ///< its k3 to k6 are held
   Eigen::Vector2d weight;  ///< 1 / sigma; y is 0 where the row is unknown
 
   template <typename T>
@@ -51,7 +51,8 @@ struct ProjectorResidual {
     if (!(z > T(1e-6))) return false;
     const T x = (turned[0] + translation[0]) / z, y = (turned[1] + translation[1]) / z;
     const Eigen::Matrix<T, 2, 1> distorted =
-        DistortNormalized(LensTerms<T>{lens[0], lens[1], T(k3), lens[2], lens[3]}, x, y);
+        DistortNormalized(LensTerms<T>{lens[0], lens[1], T(lens_rest.k3), lens[2], lens[3],
+                                      T(lens_rest.k4), T(lens_rest.k5), T(lens_rest.k6)}, x, y);
     residual[0] =
         T(weight.x()) * (pinhole[0] * distorted[0] + pinhole[2] - T(seen.projector_px.x()));
     residual[1] =
@@ -107,7 +108,7 @@ std::unique_ptr<Adjustment> BuildAdjustment(const RigState& state,
     if (!(seen.sigma_px.y() > 0)) weight.y() = 0;
     a->problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ProjectorResidual, 2, 4, 4, 3, 3, 3>(new ProjectorResidual{
-            seen, &planes[placement], state.projector_from_camera.rotation, c.k3, weight}),
+            seen, &planes[placement], state.projector_from_camera.rotation, c, weight}),
         new ceres::HuberLoss(options.robust_scale), a->pinhole.data(), a->lens.data(),
         a->turn.data(), a->translation.data(), a->shifts[placement].data());
   }

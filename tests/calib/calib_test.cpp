@@ -251,7 +251,7 @@ TEST(DrawCalibration, MarksFoundCornersAndRefusesAnotherSize) {
   image.camera = "photo";
   image.camera_from_world = rendered.poses[0];
   const Image drawing =
-      DrawCalibration(rendered.pictures[0], DefaultBoard(), rendered.camera, image);
+      DrawCalibration(rendered.pictures[0], DefaultBoard(), rendered.camera, {}, image);
   ASSERT_EQ(drawing.width(), 480);
   ASSERT_EQ(drawing.channels(), 3);
   int green = 0;
@@ -262,7 +262,7 @@ TEST(DrawCalibration, MarksFoundCornersAndRefusesAnotherSize) {
   }
   EXPECT_GT(green, 60);
   Image small(100, 100, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  EXPECT_THROW(DrawCalibration(small, DefaultBoard(), rendered.camera, image), Error);
+  EXPECT_THROW(DrawCalibration(small, DefaultBoard(), rendered.camera, {}, image), Error);
 }
 
 }  // namespace
