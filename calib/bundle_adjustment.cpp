@@ -94,9 +94,8 @@ JointResult AdjustJointly(const JointBundle& bundle, double robust_scale_px, int
       if (!step.finite) continue;
       if (step.decrease <= kConverged_rel * cost) break;
       BundleState moved = MoveState(bundle, layout, state, step.shared, step.poses);
-      const double moved_cost = FiniteCameras(moved)
-                                    ? BundleCost(bundle, moved, robust_scale_px)
-                                    : std::numeric_limits<double>::infinity();
+      const double moved_cost = FiniteCameras(moved) ? BundleCost(bundle, moved, robust_scale_px)
+                                                     : std::numeric_limits<double>::infinity();
       if (!(moved_cost < cost)) continue;
       decrease = cost - moved_cost;
       cost = moved_cost;

@@ -61,14 +61,7 @@ Adjustment RefineAll(Adjustment adjustment, PhotoSplit split, StartQuality start
   return adjustment;
 }
 
-// The platform first: its errors would pass for lens terms.
-Adjustment ChooseModels(Adjustment adjustment, CalibResult& result, const Studio& studio) {
-  const PlatformChoice platform = ChoosePlatform(adjustment, studio.board, studio.options);
-  adjustment.platform = platform.model;
-  result.platform_trials = platform.trials;
-  if (platform.model.bent || platform.model.moves != PlatformMoves::kNone) {
-    adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
-  }
+Adjustment ChooseLenses(Adjustment adjustment, CalibResult& result, const Studio& studio) {
   for (auto& [name, camera] : adjustment.cameras) {
     if (camera.known) continue;
     const LensChoice lens = ChooseLensTerms(adjustment, name, studio.board, studio.options);
@@ -78,15 +71,32 @@ Adjustment ChooseModels(Adjustment adjustment, CalibResult& result, const Studio
   return adjustment;
 }
 
+bool DepartsFromPrint(const Adjustment& adjustment) {
+  return adjustment.platform.bent || adjustment.platform.moves != PlatformMoves::kNone;
+}
+
+// Lenses are chosen again when the platform turned out not to be as printed: its errors may have
+// passed for lens terms.
+Adjustment ChooseModels(Adjustment adjustment, CalibResult& result, const Studio& studio) {
+  adjustment = ChooseLenses(std::move(adjustment), result, studio);
+  const PlatformChoice platform = ChoosePlatform(adjustment, studio.board, studio.options);
+  adjustment.platform = platform.model;
+  result.platform_trials = platform.trials;
+  if (!DepartsFromPrint(adjustment)) return adjustment;
+  adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
+  return ChooseLenses(std::move(adjustment), result, studio);
+}
+
 // Corners are searched from rough poses first; once more from good ones, where the print is
 // rendered with the right lens at the right place; and again where the platform turned out not to
-// be as printed, since corners far off were out of reach.
+// be as printed, since corners far off were out of reach. No picture is judged before it is known
+// what the platform looks like.
 Adjustment AdjustTraining(Adjustment adjustment, CalibResult& result, const Studio& studio) {
   adjustment = RefineAll(std::move(adjustment), PhotoSplit::kTrain, StartQuality::kRough, studio);
+  adjustment = AdjustRobustly(std::move(adjustment), studio.board, studio.options);
+  adjustment = ChooseModels(std::move(adjustment), result, studio);
   adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
-  adjustment.platform = ChoosePlatform(adjustment, studio.board, studio.options).model;
-  const int rounds = PlatformModelName(adjustment.platform) == "as printed" ? 1 : 2;
-  if (rounds > 1) adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
+  const int rounds = DepartsFromPrint(adjustment) ? 2 : 1;
   for (int round = 0; round < rounds; ++round) {
     adjustment = RefineAll(std::move(adjustment), PhotoSplit::kTrain, StartQuality::kGood, studio);
     adjustment = ChooseModels(std::move(adjustment), result, studio);
@@ -165,9 +175,8 @@ void ListPosed(const Adjustment& adjustment, const Studio& studio, CalibResult& 
       result.rejected.push_back({picture.id, picture.file, picture.rejected});
       continue;
     }
-    const PosedImage posed =
-        MakePosedImage(picture, adjustment.cameras.at(picture.camera).camera,
-                       ViewOfCorners(picture, corners), covariances.at(i));
+    const PosedImage posed = MakePosedImage(picture, adjustment.cameras.at(picture.camera).camera,
+                                            ViewOfCorners(picture, corners), covariances.at(i));
     if (picture.kind == PictureKind::kScan) {
       result.scans.push_back(posed);
     } else if (picture.kind == PictureKind::kPlacement) {

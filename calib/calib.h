@@ -23,8 +23,9 @@ struct PosedImage {
   std::string camera;      ///< key of CalibResult::cameras
   std::string file;        ///< the picture that was used, relative to the capture folder
   Pose camera_from_world;  ///< world = platform frame
-  /// Covariance of (rotation vector applied on the left, translation), rad and mm: what the corners'
-  /// noise leaves open, with what is not known of intrinsics and platform. Row-major in files.
+  /// Covariance of (rotation vector applied on the left, translation), rad and mm: what the
+  /// corners' noise leaves open, with what is not known of intrinsics and platform. Row-major in
+  /// files.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   int tags = 0, corners = 0;       ///< found; corners used in the fit
   double reprojection_rms_px = 0;  ///< sqrt(mean(dx^2 + dy^2)) over inliers
@@ -38,8 +39,8 @@ struct RejectedImage {
 
 struct CalibResult {
   std::map<std::string, Camera> cameras;
-  /// How many of k1, k2, p1, p2, k3, k4, k5, k6 (in this order) each camera needed: 0, 1, 2, 4, 5 or
-  /// 8, the rest is 0. Cameras whose intrinsics were given are not listed.
+  /// How many of k1, k2, p1, p2, k3, k4, k5, k6 (in this order) each camera needed: 0, 1, 2, 4, 5
+  /// or 8, the rest is 0. Cameras whose intrinsics were given are not listed.
   std::map<std::string, int> lens_terms;
   /// What that choice was made by; no trials where there were too few pictures to tell.
   std::map<std::string, std::vector<LensTrial>> lens_trials;
@@ -85,9 +86,9 @@ struct CalibOptions {
 /// of each camera from the pictures themselves (train photographs; for the scanner's camera its
 /// scans and placements), and the pose of every picture. Test photographs are posed by their own
 /// corners after the intrinsics are fixed. Lens terms and departures of the platform from its file
-/// enter as corners kept out of the fit ask for them. Throws Error when fewer than three pictures of
-/// a camera can be used, when pictures do not tell its focal length or principal point, and for a
-/// board whose sizes can only be metres; one failed picture is set aside with the reason.
+/// enter as corners kept out of the fit ask for them. Throws Error when fewer than three pictures
+/// of a camera can be used, when pictures do not tell its focal length or principal point, and for
+/// a board whose sizes can only be metres; one failed picture is set aside with the reason.
 CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoader& load_image,
                       const CalibOptions& options, Progress& progress);
 

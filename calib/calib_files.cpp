@@ -89,6 +89,9 @@ CalibResult LoadCameras(const std::filesystem::path& file) {
   for (const std::string& name : lens_terms.Keys()) {
     if (!result.cameras.contains(name)) lens_terms.Fail(name, "is not among the cameras");
     result.lens_terms[name] = lens_terms.Integer(name, 0, kAllLensTerms);
+    if (!IsLensModel(result.lens_terms[name])) {
+      lens_terms.Fail(name, "expected 0, 1, 2, 4, 5 or 8");
+    }
   }
   LensModelsFromJson(reader, result);
   if (result.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");

@@ -86,7 +86,8 @@ Image DrawCalibration(const Image& photo, const Board& board, const Camera& came
       EstimateBlur(gray, print, corners, camera, image.camera_from_world, found, search);
   for (const CornerObservation& corner :
        FindCorners(gray, print, corners, camera, image.camera_from_world, search)) {
-    const auto projected = Project(camera, image.camera_from_world * corners[corner.corner].position);
+    const auto projected =
+        Project(camera, image.camera_from_world * corners[corner.corner].position);
     if (!projected) continue;
     const Eigen::Vector2d residual = corner.pixel - *projected;
     DrawDot(canvas, corner.pixel, 1.5, kGreen);

@@ -75,22 +75,6 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
   return picture;
 }
 
-// One run over everything that is in use.
-Adjustment AdjustOnce(Adjustment adjustment, const Board& board, const CalibOptions& options) {
-  for (const auto& [name, camera] : adjustment.cameras) {
-    if (!camera.known) RequireEnough(adjustment.pictures, name);
-  }
-  const AdjustmentBundle all = BundleOf(adjustment, board, PhotoSplit::kTrain, options);
-  const JointResult result = AdjustJointly(all.bundle, options.robust_scale_px, kMaxIterations);
-  size_t index = 0;
-  for (auto& [name, camera] : adjustment.cameras) camera.camera = result.cameras[index++];
-  for (size_t v = 0; v < all.pictures.size(); ++v) {
-    adjustment.pictures[all.pictures[v]].camera_from_world = result.poses[v];
-  }
-  adjustment.shape = result.shape;
-  return adjustment;
-}
-
 // The standard deviation of each picture's corners, drawn towards that of all pictures of its
 // camera: what was fitted is subtracted from the freedom, a share of the intrinsics a picture.
 void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split) {
@@ -116,8 +100,8 @@ void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split)
     const double common = freedom > 0 ? squared / freedom : 0;
     for (size_t k = 0; k < selected.size(); ++k) {
       const auto& [own_squared, own_freedom] = of_picture[k];
-      const double variance = (own_squared + kSharedFreedom * common) /
-                              (std::max(0.0, own_freedom) + kSharedFreedom);
+      const double variance =
+          (own_squared + kSharedFreedom * common) / (std::max(0.0, own_freedom) + kSharedFreedom);
       adjustment.pictures[selected[k]].noise_px = std::sqrt(variance);
     }
   }
@@ -135,10 +119,9 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
   std::map<std::string, int> index;
   for (const auto& [name, camera] : adjustment.cameras) {
     index[name] = static_cast<int>(all.bundle.cameras.size());
-    all.bundle.cameras.push_back({camera.known ? camera.camera
-                                               : KeepLensTerms(camera.camera, camera.lens_terms),
-                                  camera.known ? FreeIntrinsics::kNone : FreeIntrinsics::kAll,
-                                  camera.lens_terms});
+    all.bundle.cameras.push_back(
+        {camera.known ? camera.camera : KeepLensTerms(camera.camera, camera.lens_terms),
+         camera.known ? FreeIntrinsics::kNone : FreeIntrinsics::kAll, camera.lens_terms});
   }
   const std::vector<Eigen::Vector3d> corners =
       CornerPositions(BoardCorners(board), adjustment.shape);
@@ -165,9 +148,24 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
   return all;
 }
 
+Adjustment AdjustRobustly(Adjustment adjustment, const Board& board, const CalibOptions& options) {
+  for (const auto& [name, camera] : adjustment.cameras) {
+    if (!camera.known) RequireEnough(adjustment.pictures, name);
+  }
+  const AdjustmentBundle all = BundleOf(adjustment, board, PhotoSplit::kTrain, options);
+  const JointResult result = AdjustJointly(all.bundle, options.robust_scale_px, kMaxIterations);
+  size_t index = 0;
+  for (auto& [name, camera] : adjustment.cameras) camera.camera = result.cameras[index++];
+  for (size_t v = 0; v < all.pictures.size(); ++v) {
+    adjustment.pictures[all.pictures[v]].camera_from_world = result.poses[v];
+  }
+  adjustment.shape = result.shape;
+  return adjustment;
+}
+
 Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibOptions& options) {
   for (CalibPicture& picture : adjustment.pictures) picture.noise_px = 0;
-  adjustment = AdjustOnce(std::move(adjustment), board, options);
+  adjustment = AdjustRobustly(std::move(adjustment), board, options);
   const std::vector<Eigen::Vector3d> corners =
       CornerPositions(BoardCorners(board), adjustment.shape);
   const int least = LeastCorners(board, options);
@@ -176,8 +174,8 @@ Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibO
     const std::vector<size_t> selected =
         SelectPictures(adjustment.pictures, name, PhotoSplit::kTrain);
     for (const size_t i : selected) {
-      const auto own = ReprojectionErrors(camera.camera,
-                                          ViewOfCorners(adjustment.pictures[i], corners));
+      const auto own =
+          ReprojectionErrors(camera.camera, ViewOfCorners(adjustment.pictures[i], corners));
       errors.insert(errors.end(), own.begin(), own.end());
     }
     const double sigma = RobustSigma(errors);
@@ -187,7 +185,7 @@ Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibO
     }
   }
   EstimateNoise(adjustment, board, PhotoSplit::kTrain);
-  adjustment = AdjustOnce(std::move(adjustment), board, options);
+  adjustment = AdjustRobustly(std::move(adjustment), board, options);
   EstimateNoise(adjustment, board, PhotoSplit::kTrain);
   return adjustment;
 }
@@ -212,8 +210,7 @@ LensChoice ChooseLensTerms(const Adjustment& adjustment, const std::string& came
   const std::vector<Eigen::Vector3d> corners =
       CornerPositions(BoardCorners(board), adjustment.shape);
   std::vector<BundleView> views;
-  for (const size_t i :
-       SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain)) {
+  for (const size_t i : SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain)) {
     views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
   }
   return ChooseLensTerms(adjustment.cameras.at(camera_name).camera, views, options.robust_scale_px);

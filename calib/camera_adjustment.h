@@ -40,11 +40,15 @@ struct AdjustmentBundle {
 AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, PhotoSplit split,
                           const CalibOptions& options);
 
+/// Adjusts everything together to the refined corners of the training pictures, outliers weighing
+/// less (Cauchy loss). Throws Error when a camera with unknown intrinsics has fewer than three.
+Adjustment AdjustRobustly(Adjustment adjustment, const Board& board, const CalibOptions& options);
+
 /// Adjusts all poses, the intrinsics that are not known and the platform's unknowns together to the
 /// refined corners of the training pictures: with the Cauchy loss, then without the corners beyond
 /// 4.5 robust standard deviations, each picture weighed by its own noise. Pictures that keep fewer
-/// than `min_corners` or fit worse than `max_reprojection_px` are set aside. Throws Error when fewer
-/// than three pictures of a camera with unknown intrinsics remain.
+/// than `min_corners` or fit worse than `max_reprojection_px` are set aside. Throws Error when
+/// fewer than three pictures of a camera with unknown intrinsics remain.
 Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibOptions& options);
 
 /// The test pictures: each by its own corners, cameras and platform held.

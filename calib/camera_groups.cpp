@@ -17,7 +17,8 @@ std::string SizeText(int width, int height) {
 std::string Describe(const ExifCamera& exif, int width, int height) {
   char focal[32] = "";
   if (exif.focal_mm > 0) std::snprintf(focal, sizeof focal, ", %.3g mm", exif.focal_mm);
-  const std::string name = exif.make + (exif.make.empty() || exif.model.empty() ? "" : " ") + exif.model;
+  const std::string name =
+      exif.make + (exif.make.empty() || exif.model.empty() ? "" : " ") + exif.model;
   return (name.empty() ? "unnamed" : name) + focal + ", " + SizeText(width, height);
 }
 
@@ -58,7 +59,9 @@ std::vector<Part> PartsOf(std::vector<CalibPicture>& pictures, const std::string
   }
   // The one that keeps the name comes first.
   std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
-    const auto fits = [&](const Part& p) { return p.width == camera.width && p.height == camera.height; };
+    const auto fits = [&](const Part& p) {
+      return p.width == camera.width && p.height == camera.height;
+    };
     if (fits(a) != fits(b)) return fits(a);
     return a.training > b.training;
   });
@@ -71,8 +74,7 @@ CameraGroups GroupByExif(std::vector<CalibPicture> pictures, const Capture& capt
                          const ExifReader& read_exif) {
   CameraGroups groups{capture.cameras, std::move(pictures)};
   for (const auto& [name, camera] : capture.cameras) {
-    const bool parted =
-        !camera.intrinsics && !(capture.scanner && capture.scanner->camera == name);
+    const bool parted = !camera.intrinsics && !(capture.scanner && capture.scanner->camera == name);
     const std::vector<Part> parts =
         parted ? PartsOf(groups.pictures, name, camera, read_exif) : std::vector<Part>();
     const bool first_fits =

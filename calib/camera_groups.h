@@ -21,12 +21,12 @@ struct CameraGroups {
   std::vector<CalibPicture> pictures;
 };
 
-/// Parts the photographs that the manifest gives to one camera into the cameras that took them: make,
-/// model, focal length and size of a picture. The largest part of the manifest's size keeps the
-/// camera's name, the others are NAME-2, NAME-3, ... in order of their size; a picture without EXIF
-/// belongs to the first. A part of fewer than three training pictures cannot be calibrated and is set
-/// aside with the reason; so is a picture without EXIF that has not its camera's size. Cameras whose
-/// intrinsics are given, and the scanner's, are not parted.
+/// Parts the photographs that the manifest gives to one camera into the cameras that took them:
+/// make, model, focal length and size of a picture. The largest part of the manifest's size keeps
+/// the camera's name, the others are NAME-2, NAME-3, ... in order of their size; a picture without
+/// EXIF belongs to the first. A part of fewer than three training pictures cannot be calibrated and
+/// is set aside with the reason; so is a picture without EXIF that has not its camera's size.
+/// Cameras whose intrinsics are given, and the scanner's, are not parted.
 CameraGroups GroupByExif(std::vector<CalibPicture> pictures, const Capture& capture,
                          const ExifReader& read_exif);
 

@@ -84,7 +84,7 @@ std::vector<CalibPicture> StartPoses(std::vector<CalibPicture> pictures,
 }
 
 CameraStart StartCamera(std::vector<CalibPicture> pictures, const std::string& camera_name,
-                             int width, int height, const std::optional<Camera>& known) {
+                        int width, int height, const std::optional<Camera>& known) {
   if (known) {
     return {*known, StartPoses(std::move(pictures), camera_name, PhotoSplit::kTrain, *known)};
   }

@@ -89,8 +89,9 @@ Eigen::Vector2d CornerResidual(const Camera& camera, const Pose& camera_from_wor
 Pose MovePose(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step) {
   const Eigen::Vector3d turn = step.head<3>();
   const double angle = turn.norm();
-  const Eigen::Quaterniond q =
-      angle > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) : Eigen::Quaterniond::Identity();
+  const Eigen::Quaterniond q = angle > 0
+                                   ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle))
+                                   : Eigen::Quaterniond::Identity();
   return Pose::FromQuaternion(Eigen::Quaterniond(q * Eigen::Quaterniond(pose.rotation)),
                               pose.translation + step.tail<3>());
 }

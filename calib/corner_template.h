@@ -33,8 +33,8 @@ struct LocalView {
       board_from_pixel;  ///< homography from offsets to `pixel` to board coordinates, mm
 };
 
-/// Near a corner the plate is its tangent plane. No answer when the point or its surroundings do not
-/// appear in the picture.
+/// Near a corner the plate is its tangent plane. No answer when the point or its surroundings do
+/// not appear in the picture.
 std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_from_world,
                                        const CornerPlace& place);
 

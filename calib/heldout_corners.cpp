@@ -50,7 +50,8 @@ ErrorSum JudgeView(const Camera& camera, const BundleView& view, double robust_s
   return sum;
 }
 
-ErrorSum JudgePart(const JointBundle& bundle, size_t part, double robust_scale_px) {
+ErrorSum JudgePart(const JointBundle& bundle, size_t part, double robust_scale_px,
+                   FoldingLens folding) {
   JointBundle fitted{bundle.cameras, {}, bundle.platform};
   for (size_t i = 0; i < bundle.views.size(); ++i) {
     if (i % kHeldoutParts != part) fitted.views.push_back(bundle.views[i]);
@@ -58,7 +59,7 @@ ErrorSum JudgePart(const JointBundle& bundle, size_t part, double robust_scale_p
   const JointResult result = AdjustJointly(fitted, robust_scale_px, kMaxIterations);
   ErrorSum sum;
   for (size_t c = 0; c < result.cameras.size(); ++c) {
-    if (bundle.cameras[c].free == FreeIntrinsics::kAll && !SeesItsWholePicture(result.cameras[c])) {
+    if (folding == FoldingLens::kNoModel && !SeesItsWholePicture(result.cameras[c])) {
       sum.squared_px2 = std::numeric_limits<double>::infinity();
     }
   }
@@ -95,10 +96,10 @@ JointBundle SpreadBundle(const JointBundle& bundle, size_t most_views, size_t mo
   return some;
 }
 
-double HeldoutRms(const JointBundle& bundle, double robust_scale_px) {
+double HeldoutRms(const JointBundle& bundle, double robust_scale_px, FoldingLens folding) {
   std::array<ErrorSum, kHeldoutParts> sums;
   ParallelFor(0, kHeldoutParts, [&](int64_t part) {
-    sums[part] = JudgePart(bundle, static_cast<size_t>(part), robust_scale_px);
+    sums[part] = JudgePart(bundle, static_cast<size_t>(part), robust_scale_px, folding);
   });
   ErrorSum total;
   for (const ErrorSum& sum : sums) {

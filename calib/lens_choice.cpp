@@ -23,6 +23,10 @@ std::string LensModelName(int terms) {
   return terms > 0 ? name : "none";
 }
 
+bool IsLensModel(int terms) {
+  return std::find(kModels.begin(), kModels.end(), terms) != kModels.end();
+}
+
 LensChoice ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& views,
                            double robust_scale_px) {
   LensChoice choice;
@@ -35,7 +39,7 @@ LensChoice ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& 
   ParallelFor(0, static_cast<int64_t>(kModels.size()), [&](int64_t i) {
     JointBundle bundle = some;
     bundle.cameras[0] = {KeepLensTerms(camera, kModels[i]), FreeIntrinsics::kAll, kModels[i]};
-    choice.trials[i] = {kModels[i], HeldoutRms(bundle, robust_scale_px)};
+    choice.trials[i] = {kModels[i], HeldoutRms(bundle, robust_scale_px, FoldingLens::kNoModel)};
   });
   LensTrial best = choice.trials[0];
   for (const LensTrial& trial : choice.trials) {

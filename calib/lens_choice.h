@@ -16,8 +16,8 @@ struct LensChoice {
 /// How many lens terms (KeepLensTerms) a camera needs: more enter only when they lower the error on
 /// corners kept out of the fit (heldout_corners.h), over at most 16 of `views` and 100 corners of
 /// each. Fewer than four views cannot tell:
-/// Brown's five enter, or k1 alone where views have fewer than 12 corners each. `camera` and the poses of `views`
-/// are where adjustments start. Does not depend on the number of threads.
+/// Brown's five enter, or k1 alone where views have fewer than 12 corners each. `camera` and the
+/// poses of `views` are where adjustments start. Does not depend on the number of threads.
 LensChoice ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& views,
                            double robust_scale_px);
 

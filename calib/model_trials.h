@@ -21,5 +21,7 @@ struct PlatformTrial {
 /// "none", "k1", "k1 k2", "k1 k2 p1 p2", "k1 k2 p1 p2 k3", "k1 k2 p1 p2 k3 k4 k5 k6": what so many
 /// lens terms are.
 std::string LensModelName(int terms);
+/// Whether so many terms are one of these models.
+bool IsLensModel(int terms);
 
 }  // namespace lfm

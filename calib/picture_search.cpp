@@ -94,8 +94,7 @@ std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const B
                    for (int64_t i = begin; i < end; ++i) {
                      CalibPicture& picture = pictures[static_cast<size_t>(i)];
                      if (picture.InUse()) {
-                       picture =
-                           FindBoard(std::move(picture), board, load_image, detector);
+                       picture = FindBoard(std::move(picture), board, load_image, detector);
                      }
                      progress.Advance();
                    }

@@ -14,9 +14,9 @@
 
 namespace lfm {
 
-/// Loads every picture in use, notes its size and finds the board's tags in it; sets aside, with the
-/// reason, what cannot be read, does not show the board, or shows it mirrored. In parallel; pictures are
-/// loaded one at a time a thread and not kept.
+/// Loads every picture in use, notes its size and finds the board's tags in it; sets aside, with
+/// the reason, what cannot be read, does not show the board, or shows it mirrored. In parallel;
+/// pictures are loaded one at a time a thread and not kept.
 std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
                                      const ImageLoader& load_image, Progress& progress);
 

@@ -6,10 +6,10 @@
 namespace lfm {
 namespace {
 
-constexpr PlatformModel kModels[] = {{PlatformMoves::kNone, false}, {PlatformMoves::kNone, true},
-                                     {PlatformMoves::kTags, false}, {PlatformMoves::kTags, true},
-                                     {PlatformMoves::kCorners, false},
-                                     {PlatformMoves::kCorners, true}};
+constexpr PlatformModel kModels[] = {
+    {PlatformMoves::kNone, false},    {PlatformMoves::kNone, true},
+    {PlatformMoves::kTags, false},    {PlatformMoves::kTags, true},
+    {PlatformMoves::kCorners, false}, {PlatformMoves::kCorners, true}};
 
 }  // namespace
 
@@ -39,7 +39,8 @@ std::vector<CornerPlace> PlaceCorners(const std::vector<Eigen::Vector3d>& printe
   std::vector<CornerPlace> places;
   for (size_t i = 0; i < printed.size(); ++i) {
     const double x = printed[i].x(), y = printed[i].y();
-    CornerPlace place{printed[i], printed[i], {2 * b.x() * x + b.y() * y, b.y() * x + 2 * b.z() * y}};
+    CornerPlace place{
+        printed[i], printed[i], {2 * b.x() * x + b.y() * y, b.y() * x + 2 * b.z() * y}};
     if (moved) place.position.head<2>() += shape.shifts_mm[i];
     place.position.z() = b.x() * x * x + b.y() * x * y + b.z() * y * y;
     places.push_back(place);

@@ -20,7 +20,7 @@ std::vector<Eigen::Vector3d> BoardCorners(const Board& board);
 /// with (x, y) the corner in the file and (dx, dy) its shift, mm: the plate touches the world's
 /// plane z = 0 at the origin. A default one is the file's.
 struct PlatformShape {
-  std::vector<Eigen::Vector2d> shifts_mm;                ///< one a corner of BoardCorners, or none
+  std::vector<Eigen::Vector2d> shifts_mm;                 ///< one a corner of BoardCorners, or none
   Eigen::Vector3d bend_per_mm = Eigen::Vector3d::Zero();  ///< bxx, bxy, byy
 
   bool AsPrinted() const { return shifts_mm.empty() && bend_per_mm.isZero(0); }
@@ -28,8 +28,8 @@ struct PlatformShape {
 
 /// Where a corner of the print lies in the world, and how the plate runs there.
 struct CornerPlace {
-  Eigen::Vector3d printed;   ///< on the board of the file, z = 0
-  Eigen::Vector3d position;  ///< in the world, mm
+  Eigen::Vector3d printed;         ///< on the board of the file, z = 0
+  Eigen::Vector3d position;        ///< in the world, mm
   Eigen::Vector2d slope = {0, 0};  ///< dz/dx, dz/dy of the plate
 };
 std::vector<CornerPlace> PlaceCorners(const Board& board, const PlatformShape& shape);

@@ -67,7 +67,8 @@ bool Camera::Contains(const Eigen::Vector2d& pixel) const {
 }
 
 Eigen::Vector2d Distort(const Camera& c, const Eigen::Vector2d& n) {
-  return DistortNormalized(LensTerms<double>{c.k1, c.k2, c.k3, c.p1, c.p2, c.k4, c.k5, c.k6}, n.x(), n.y());
+  return DistortNormalized(LensTerms<double>{c.k1, c.k2, c.k3, c.p1, c.p2, c.k4, c.k5, c.k6}, n.x(),
+                           n.y());
 }
 
 std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& point) {

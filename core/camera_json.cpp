@@ -15,8 +15,7 @@ constexpr CameraTerm kLens[] = {{"k1", &Camera::k1},
                                 {"k3", &Camera::k3},
                                 {"p1", &Camera::p1},
                                 {"p2", &Camera::p2}};
-constexpr CameraTerm kRational[] = {
-    {"k4", &Camera::k4}, {"k5", &Camera::k5}, {"k6", &Camera::k6}};
+constexpr CameraTerm kRational[] = {{"k4", &Camera::k4}, {"k5", &Camera::k5}, {"k6", &Camera::k6}};
 
 }  // namespace
 

@@ -138,7 +138,8 @@ std::optional<ExifCamera> ParseExifCamera(Bytes file) {
 std::optional<ExifCamera> ReadExifCamera(const std::filesystem::path& file) {
   try {
     const MappedFile mapped(file);
-    return ParseExifCamera({reinterpret_cast<const uint8_t*>(mapped.bytes().data()), mapped.bytes().size()});
+    return ParseExifCamera(
+        {reinterpret_cast<const uint8_t*>(mapped.bytes().data()), mapped.bytes().size()});
   } catch (const Error&) {
     return std::nullopt;
   }

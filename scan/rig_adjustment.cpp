@@ -37,7 +37,7 @@ struct ProjectorResidual {
   PlateCorrespondence seen;
   const PriorPlane* plane;
   Eigen::Matrix3d rotation;
-  Camera lens_rest;  ///< its k3 to k6 are held
+  Camera lens_rest;        ///< its k3 to k6 are held
   Eigen::Vector2d weight;  ///< 1 / sigma; y is 0 where the row is unknown
 
   template <typename T>
@@ -52,7 +52,8 @@ struct ProjectorResidual {
     const T x = (turned[0] + translation[0]) / z, y = (turned[1] + translation[1]) / z;
     const Eigen::Matrix<T, 2, 1> distorted =
         DistortNormalized(LensTerms<T>{lens[0], lens[1], T(lens_rest.k3), lens[2], lens[3],
-                                      T(lens_rest.k4), T(lens_rest.k5), T(lens_rest.k6)}, x, y);
+                                       T(lens_rest.k4), T(lens_rest.k5), T(lens_rest.k6)},
+                          x, y);
     residual[0] =
         T(weight.x()) * (pinhole[0] * distorted[0] + pinhole[2] - T(seen.projector_px.x()));
     residual[1] =

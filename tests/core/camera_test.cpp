@@ -97,9 +97,12 @@ TEST(Camera, RationalFactorDividesTwoPolynomials) {
 
 TEST(Camera, ProjectInvertsUnproject) {
   constexpr double kRoundTrip_px_abs = 1e-9;
-  const Camera lenses[] = {Pinhole(), Lens(-0.25, 0.1, 0, 1e-3, -5e-4),
-                           Lens(0.2, -0.05, 0.02, -2e-3, 1e-3), Lens(-0.35, 0.2, -0.05, 0, 0),
-                           Lens(0, 0, 0, 4e-3, -4e-3), RationalLens()};
+  const Camera lenses[] = {Pinhole(),
+                           Lens(-0.25, 0.1, 0, 1e-3, -5e-4),
+                           Lens(0.2, -0.05, 0.02, -2e-3, 1e-3),
+                           Lens(-0.35, 0.2, -0.05, 0, 0),
+                           Lens(0, 0, 0, 4e-3, -4e-3),
+                           RationalLens()};
   for (const Camera& lens : lenses) {
     for (double y = -0.5; y <= 719.5; y += 36) {
       for (double x = -0.5; x <= 959.5; x += 48) {
