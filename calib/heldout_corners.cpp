@@ -10,7 +10,7 @@
 namespace lfm {
 namespace {
 
-constexpr int kMaxIterations = 30;
+constexpr int kMaxIterations = 12;
 
 // The corners from `first` on in steps of `step`.
 BundleView Thin(const BundleView& view, size_t first, size_t step) {

@@ -39,7 +39,7 @@ const PosedImage* FindPhoto(const CalibResult& result, const std::string& id) {
   return nullptr;
 }
 
-CalibResult Run(const RenderedCapture& rendered, const Board& board = DefaultBoard()) {
+CalibResult CalibrateAll(const RenderedCapture& rendered, const Board& board = DefaultBoard()) {
   return Calibrate(rendered.capture, board, rendered.Loader(), {}, SilentProgress());
 }
 
@@ -71,7 +71,7 @@ TEST(CalibrateTrouble, MirroredIsSetAsideWithTheReason) {
   Image& picture = rendered.pictures[4];
   const Image original = picture;
   for (int x = 0; x < picture.width(); ++x) Paste(original, picture.width() - 1 - x, picture, x, 1);
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   EXPECT_NE(ReasonOf(result, "photo_4").find("mirrored"), std::string::npos)
       << ReasonOf(result, "photo_4");
   EXPECT_EQ(result.photos.size(), 4u);
@@ -97,7 +97,7 @@ TEST(CalibrateTrouble, BlurredIsUsedWhereItStillGivesSomething) {
   };
   blurred(4, 1);
   blurred(5, 25);
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   const PosedImage* little = FindPhoto(result, "photo_4");
   ASSERT_TRUE(little) << ReasonOf(result, "photo_4");
   EXPECT_LT((little->camera_from_world.Center() - rendered.poses[4].Center()).norm(), 0.5);
@@ -109,7 +109,7 @@ TEST(CalibrateTrouble, HalfSeenPlatformIsUsed) {
   const Eigen::Vector3d eye(60, -260, 260);
   poses[5] = LookAt(eye, {95, 0, 0}, {0, 0, 1});
   const RenderedCapture rendered = RenderPoses(DefaultBoard(), poses);
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   const PosedImage* half = FindPhoto(result, "photo_5");
   ASSERT_TRUE(half) << ReasonOf(result, "photo_5");
   EXPECT_LT(half->tags, 20);
@@ -127,7 +127,7 @@ TEST(CalibrateTrouble, DuplicatedTagsArePassedOver) {
   const Image copy = RenderBoard(BoardPrint(DefaultBoard()), rendered.camera,
                                  LookAt({200, -250, 250}, {140, 0, 0}, {0, 0, 1}));
   Paste(copy, 0, rendered.pictures[4], 0, 90);
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   const PosedImage* photo = FindPhoto(result, "photo_4");
   ASSERT_TRUE(photo) << ReasonOf(result, "photo_4");
   EXPECT_LT((photo->camera_from_world.Center() - pose.Center()).norm(), 2 * kCenter_abs_mm);
@@ -138,7 +138,7 @@ TEST(CalibrateTrouble, AnotherBoardOfTheSameTagsIsSetAside) {
   Board other = DefaultBoard();
   for (size_t i = 0; i < other.tags.size(); ++i) other.tags[i].id = static_cast<int>(i * 7 % 24);
   rendered.pictures[5] = RenderBoard(BoardPrint(other), rendered.camera, rendered.poses[5]);
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   EXPECT_NE(ReasonOf(result, "photo_5").find("lie as on the board"), std::string::npos)
       << ReasonOf(result, "photo_5");
 }
@@ -152,7 +152,7 @@ TEST(CalibrateTrouble, ImpreciseBentPlatformIsFoundFromItsPictures) {
   const Eigen::Vector3d bend(-1.2e-4, 0, 0);
   const RenderedCapture rendered =
       RenderCapture(moved, 14, 1, 0, {.hidden_share = 0.25, .bend_per_mm = bend});
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   EXPECT_EQ(result.platform_model, "tags moved, bent");
   EXPECT_EQ(result.platform_trials.size(), 6u);
   EXPECT_NEAR(result.platform_shape.bend_per_mm.x(), bend.x(), 6e-6);
@@ -172,14 +172,14 @@ TEST(CalibrateTrouble, ImpreciseBentPlatformIsFoundFromItsPictures) {
 
 TEST(CalibrateTrouble, TwoPhotographsAreNotEnough) {
   const RenderedCapture rendered = RenderCapture(DefaultBoard(), 2, 0);
-  const std::string message = MessageOf([&] { Run(rendered); });
+  const std::string message = MessageOf([&] { CalibrateAll(rendered); });
   EXPECT_NE(message.find("2 usable training pictures"), std::string::npos) << message;
 }
 
 TEST(CalibrateTrouble, OnePhotographSufficesWhenTheCameraIsKnown) {
   RenderedCapture rendered = RenderCapture(DefaultBoard(), 1, 0);
   rendered.capture.cameras["photo"].intrinsics = rendered.camera;
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   ASSERT_EQ(result.photos.size(), 1u);
   EXPECT_LT((result.photos[0].camera_from_world.Center() - rendered.poses[0].Center()).norm(),
             kCenter_abs_mm);
@@ -190,7 +190,7 @@ TEST(CalibrateTrouble, OnePhotographSufficesWhenTheCameraIsKnown) {
 TEST(CalibrateTrouble, AllPhotographsFromOneSpotDoNotTellTheCamera) {
   const RenderedCapture rendered =
       RenderPoses(DefaultBoard(), std::vector<Pose>(6, PosesAround(5)[2]));
-  const std::string message = MessageOf([&] { Run(rendered); });
+  const std::string message = MessageOf([&] { CalibrateAll(rendered); });
   EXPECT_NE(message.find("cannot be told from these pictures"), std::string::npos) << message;
   EXPECT_NE(message.find("add pictures from slanted directions"), std::string::npos) << message;
 }
@@ -202,7 +202,7 @@ TEST(CalibrateTrouble, HeadOnPicturesDoNotTellTheFocalLength) {
     poses.push_back(LookAt(over + Eigen::Vector3d(0, 0, 380 + 10 * i), over, {0.1 * i, 1, 0}));
   }
   const RenderedCapture rendered = RenderPoses(DefaultBoard(), poses);
-  const std::string message = MessageOf([&] { Run(rendered); });
+  const std::string message = MessageOf([&] { CalibrateAll(rendered); });
   EXPECT_NE(message.find("focal length"), std::string::npos) << message;
 }
 
@@ -214,7 +214,7 @@ TEST(CalibrateTrouble, BoardOfOneTagPosesAKnownCamera) {
   board.tags = {{.id = 3}};
   RenderedCapture rendered = RenderPoses(board, PosesAround(4));
   rendered.capture.cameras["photo"].intrinsics = rendered.camera;
-  const CalibResult result = Run(rendered, board);
+  const CalibResult result = CalibrateAll(rendered, board);
   ASSERT_EQ(result.photos.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(result.photos[i].corners, 4);
@@ -230,7 +230,7 @@ TEST(CalibrateTrouble, BoardOfOneTagCalibratesACameraOrSaysThatItCannot) {
   board.tags = {{.id = 3}};
   const RenderedCapture rendered = RenderPoses(board, PosesAround(20));
   CalibResult result;
-  const std::string message = MessageOf([&] { result = Run(rendered, board); });
+  const std::string message = MessageOf([&] { result = CalibrateAll(rendered, board); });
   if (!message.empty()) {
     EXPECT_NE(message.find("cannot be told"), std::string::npos) << message;
     return;
@@ -246,7 +246,7 @@ TEST(CalibrateTrouble, MetresForMillimetresAreNamedWithTheCure) {
   metres.width_mm /= 1000, metres.height_mm /= 1000;
   metres.tag_size_mm /= 1000, metres.checker_square_mm /= 1000;
   for (BoardTag& tag : metres.tags) tag.center_mm /= 1000;
-  const std::string message = MessageOf([&] { Run(rendered, metres); });
+  const std::string message = MessageOf([&] { CalibrateAll(rendered, metres); });
   EXPECT_NE(message.find("tags of 0.024 mm"), std::string::npos) << message;
   EXPECT_NE(message.find("by 1000"), std::string::npos) << message;
 }
@@ -263,7 +263,7 @@ TEST(CalibrateTrouble, SeveralCamerasShareOnePlatform) {
     rendered.capture.photos[i].camera = i < 8 ? "other" : "known";
     rendered.pictures[i] = RenderBoard(print, other, rendered.poses[i]);
   }
-  const CalibResult result = Run(rendered);
+  const CalibResult result = CalibrateAll(rendered);
   ASSERT_EQ(result.cameras.size(), 3u);
   EXPECT_NEAR(result.cameras.at("photo").fx, rendered.camera.fx, 0.5);
   EXPECT_NEAR(result.cameras.at("other").fx, 470, 1);

@@ -140,8 +140,10 @@ TEST_F(CornerRefinement, FollowsTheShapeOfThePlatform) {
   const auto found = FindCorners(gray, print_, places, camera_, pose_, {});
   const Accuracy accuracy = Measure(found, places, camera_, pose_);
   EXPECT_GE(accuracy.corners, 120u);
-  EXPECT_LT(accuracy.rms_px, kRefinedRms_abs_px);
+  // Neighbouring tags, which moved otherwise, stand in the windows.
+  EXPECT_LT(accuracy.rms_px, 2 * kRefinedRms_abs_px);
   EXPECT_LT(accuracy.bias_px.norm(), 2 * kRefinedBias_abs_px);
+  EXPECT_LT(FindCorners(gray, print_, corners_, camera_, pose_, {}).size(), found.size() - 20);
 }
 
 TEST_F(CornerRefinement, HiddenCornersAreLeftOut) {
