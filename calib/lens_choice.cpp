@@ -11,6 +11,8 @@ namespace lfm {
 namespace {
 
 constexpr std::array<int, 6> kModels = {0, 1, 2, 4, 5, 8};
+// Terms that come by the half dozen lower the error a little by chance.
+constexpr double kGainOfATerm = 0.005;
 constexpr size_t kMostViews = 16, kMostCorners = 100;
 
 }  // namespace
@@ -44,7 +46,8 @@ LensChoice ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& 
   LensTrial best = choice.trials[0];
   for (const LensTrial& trial : choice.trials) {
     const double ratio = trial.heldout_rms_px / best.heldout_rms_px;
-    if (ratio * ratio < kHeldoutGain) best = trial;
+    const double gain = std::min(kHeldoutGain, 1 - kGainOfATerm * (trial.terms - best.terms));
+    if (ratio * ratio < gain) best = trial;
   }
   choice.terms = best.terms;
   return choice;
