@@ -30,9 +30,9 @@ struct Part {
 };
 
 void SetAsideOtherSizes(std::vector<CalibPicture>& pictures, const std::string& name,
-                        const CaptureCamera& camera) {
+                        const CaptureCamera& camera, bool in_use) {
   for (CalibPicture& picture : pictures) {
-    if (!picture.InUse() || picture.camera != name) continue;
+    if (picture.InUse() != in_use || picture.camera != name || picture.width == 0) continue;
     if (picture.width == camera.width && picture.height == camera.height) continue;
     picture.rejected = "is " + SizeText(picture.width, picture.height) + ", but camera \"" + name +
                        "\" is " + SizeText(camera.width, camera.height);
@@ -74,6 +74,8 @@ CameraGroups GroupByExif(std::vector<CalibPicture> pictures, const Capture& capt
                          const ExifReader& read_exif) {
   CameraGroups groups{capture.cameras, std::move(pictures)};
   for (const auto& [name, camera] : capture.cameras) {
+    // Whatever else was found wrong with it, another size comes first.
+    SetAsideOtherSizes(groups.pictures, name, camera, false);
     const bool parted = !camera.intrinsics && !(capture.scanner && capture.scanner->camera == name);
     const std::vector<Part> parts =
         parted ? PartsOf(groups.pictures, name, camera, read_exif) : std::vector<Part>();
@@ -101,7 +103,7 @@ CameraGroups GroupByExif(std::vector<CalibPicture> pictures, const Capture& capt
         }
       }
     }
-    SetAsideOtherSizes(groups.pictures, name, camera);
+    SetAsideOtherSizes(groups.pictures, name, camera, true);
   }
   return groups;
 }
