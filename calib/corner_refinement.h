@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/board.h"
+#include "calib/corner_template.h"
 #include "calib/platform_shape.h"
 #include "core/camera.h"
 #include "core/image.h"
@@ -23,6 +24,7 @@ struct CornerObservation {
 struct CornerSearch {
   int window_radius_px = 8;            ///< pixels compared on each side of the corner
   double blur_px = 0;                  ///< standard deviation of the picture's blur
+  PixelSampling sampling = PixelSampling::kFine;
   double max_shift_px = 1.5;           ///< from the predicted place
   double max_relative_residual = 0.1;  ///< RMS of what the model leaves, over the contrast
 };
@@ -45,8 +47,8 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
                                            const Camera& camera, const Pose& camera_from_world,
                                            const CornerSearch& search);
 
-/// The blur (standard deviation, px; one of ten values between 0 and 4) under which at most 20
-/// corners, evenly chosen among `observed`, fit best; 0 when there are none.
+/// The blur (standard deviation, px, 0 to 4; interpolated between ten that are tried) under which
+/// at most 20 corners, evenly chosen among `observed`, fit best; 0 when there are none.
 double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
                     const std::vector<CornerPlace>& corners, const Camera& camera,
                     const Pose& camera_from_world, const std::vector<CornerObservation>& observed,

@@ -130,6 +130,7 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
     }
     CornerSearch fine = kFineSearch;
     fine.blur_px = picture.blur_px;
+    if (start == StartQuality::kRough) fine.sampling = PixelSampling::kCoarse;
     picture = SearchAndPose(std::move(picture), gray, print, corners, positions, camera, fine,
                             options.robust_scale_px);
     if (static_cast<int>(picture.corners.size()) < least_corners) {

@@ -141,6 +141,26 @@ TEST(BundleCovariance, FocalLengthIsKnownFromSlantedViewsOnly) {
   EXPECT_GT(focal_sigma(head_on), 0.05 * camera.fx);
 }
 
+// A camera on a tripod: taken again and again the same picture says too little, turned it says
+// something, and moved round the platform much.
+TEST(BundleCovariance, OneSpotTellsLittleOfTheFocalLength) {
+  const Camera camera = SmallCamera();
+  const auto focal_sigma = [&](const std::vector<Pose>& poses) {
+    const JointBundle bundle{{{camera, FreeIntrinsics::kAll, 2}},
+                             SimulatedViews(camera, poses, DefaultBoard(), 0, 1)};
+    return std::sqrt(ComputeCovariance(bundle, {}, 0.1).cameras[0](0, 0));
+  };
+  const Eigen::Vector3d spot(150, -200, 300);
+  std::vector<Pose> turned;
+  for (int i = 0; i < 6; ++i) {
+    turned.push_back(LookAt(spot, {40.0 * (i % 3 - 1), 30.0 * (i % 2), 0}, {0, 0, 1}));
+  }
+  const double held_still = focal_sigma(std::vector<Pose>(6, turned[0]));
+  EXPECT_GT(held_still, 0.01 * camera.fx);
+  EXPECT_LT(focal_sigma(turned), held_still / 3);
+  EXPECT_LT(focal_sigma(PosesAround(6)), focal_sigma(turned) / 2);
+}
+
 TEST(CovarianceFromInformation, OfNothingIsLargeButFinite) {
   const Eigen::MatrixXd none = CovarianceFromInformation(Eigen::MatrixXd::Zero(6, 6), 1);
   EXPECT_TRUE(none.allFinite());

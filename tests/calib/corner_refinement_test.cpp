@@ -111,6 +111,35 @@ TEST_F(CornerRefinement, BlurIsEstimatedAndDoesNotMoveCorners) {
   EXPECT_LT(accuracy.bias_px.norm(), 2 * kRefinedBias_abs_px);
 }
 
+// A template that is blurred too much or too little pulls the corners of every tag inwards or
+// pushes them outwards, in all pictures alike: focal length and distance then take it up.
+TEST_F(CornerRefinement, TagsAreNeitherShrunkNorGrown) {
+  constexpr double kPull_abs_px = 0.003;
+  const Camera camera = ScaleCamera(camera_, 1.5);
+  const Image sharp =
+      LinearGray(RenderBoard(print_, camera, pose_, {.subsamples = 8, .full_well = 0}));
+  for (const double blur_px : {0.0, 0.33}) {
+    const Image gray = blur_px > 0 ? BlurGray(sharp, blur_px) : sharp;
+    const auto rough = FindCorners(gray, print_, corners_, camera, pose_, {});
+    const double estimated = EstimateBlur(gray, print_, corners_, camera, pose_, rough, {});
+    double outward = 0;
+    int tag_corners = 0;
+    for (const CornerObservation& found :
+         FindCorners(gray, print_, corners_, camera, pose_, {.blur_px = estimated})) {
+      const size_t first = static_cast<size_t>(found.corner) / 4 * 4;
+      if (first >= 4 * board_.tags.size()) continue;
+      const Eigen::Vector3d middle =
+          (corners_[first].position + corners_[first + 2].position) / 2;
+      const Eigen::Vector2d truth = *Project(camera, pose_ * corners_[found.corner].position);
+      const Eigen::Vector2d out = truth - *Project(camera, pose_ * middle);
+      outward += (found.pixel - truth).dot(out.normalized());
+      ++tag_corners;
+    }
+    ASSERT_GE(tag_corners, 60);
+    EXPECT_LT(std::abs(outward / tag_corners), kPull_abs_px) << blur_px << ": " << estimated;
+  }
+}
+
 TEST_F(CornerRefinement, ComesFromFourPixelsAwayWhenBlurred) {
   const Image gray = LinearGray(RenderBoard(print_, camera_, pose_));
   Pose far = pose_;

@@ -122,28 +122,19 @@ ImageLoader RenderedCapture::Loader() const {
   };
 }
 
-RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t seed,
-                              const RenderSettings& all_settings, const Camera& camera) {
+RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses, int train,
+                            const RenderSettings& all_settings, const Camera& camera) {
   RenderedCapture rendered;
   rendered.camera = camera;
+  rendered.poses = poses;
   rendered.capture.name = "rendered";
   rendered.capture.board = "board.json";
-  rendered.capture.cameras["photo"] = {rendered.camera.width, rendered.camera.height, {}};
+  rendered.capture.cameras["photo"] = {camera.width, camera.height, {}};
   const BoardPrint print(board);
-  rendered.poses = PosesAround(train + test);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  for (Pose& pose : rendered.poses) {
-    if (seed == 0) continue;
-    const double turn = 0.3 * normal(random), x = 8 * normal(random), y = 8 * normal(random);
-    const Pose moved{Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
-                     {x, y, 0}};
-    pose = pose * moved;
-  }
-  for (int i = 0; i < train + test; ++i) {
+  for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
     RenderSettings settings = all_settings;
-    settings.seed = 1000 * seed + static_cast<uint32_t>(i + 1);
-    rendered.pictures.push_back(RenderBoard(print, rendered.camera, rendered.poses[i], settings));
+    settings.seed += static_cast<uint32_t>(i);
+    rendered.pictures.push_back(RenderBoard(print, camera, poses[i], settings));
     Photo photo;
     photo.id = "photo_" + std::to_string(i);
     photo.file = photo.id + ".png";
@@ -152,6 +143,23 @@ RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t 
     rendered.capture.photos.push_back(photo);
   }
   return rendered;
+}
+
+RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t seed,
+                              const RenderSettings& all_settings, const Camera& camera) {
+  std::vector<Pose> poses = PosesAround(train + test);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  for (Pose& pose : poses) {
+    if (seed == 0) continue;
+    const double turn = 0.3 * normal(random), x = 8 * normal(random), y = 8 * normal(random);
+    const Pose moved{Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                     {x, y, 0}};
+    pose = pose * moved;
+  }
+  RenderSettings settings = all_settings;
+  settings.seed = 1000 * seed + 1;
+  return RenderPoses(board, poses, train, settings, camera);
 }
 
 }  // namespace lfm

@@ -44,6 +44,11 @@ struct RenderedCapture {
   Camera camera;
   ImageLoader Loader() const;
 };
+/// Pictures from `poses`; the first `train` of them are for training. `settings.seed` is the first
+/// picture's, the others' follow.
+RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses, int train,
+                            const RenderSettings& settings = {.hidden_share = 0.25},
+                            const Camera& camera = SmallCamera());
 /// `seed` 0: the poses of PosesAround; others: from places drawn at random round them.
 RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t seed = 0,
                               const RenderSettings& settings = {.hidden_share = 0.25},
