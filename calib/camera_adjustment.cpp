@@ -19,6 +19,8 @@ constexpr int kMaxIterations = 100;
 constexpr double kSharedFreedom = 40;
 // Exact corners would make anything look certain: half a hundredth of a pixel is assumed at least.
 constexpr double kLeastNoisePx = 0.005;
+// Views this close (of their distance, and in radians) are one.
+constexpr double kSamePlace = 0.002;
 
 std::string Rounded(double value) {
   char text[32];
@@ -46,6 +48,23 @@ std::vector<size_t> InUse(const Adjustment& adjustment, PhotoSplit split) {
     if (picture.InUse() && picture.split == split) selected.push_back(i);
   }
   return selected;
+}
+
+// How many of the views were taken from a view's place. What such pictures have wrong, they have in
+// common (the print, the lens, where pixels cut edges): together they say what one of them says.
+std::vector<double> CountRepeats(const std::vector<BundleView>& views) {
+  std::vector<double> counts(views.size());
+  for (size_t a = 0; a < views.size(); ++a) {
+    const Pose& pose = views[a].camera_from_world;
+    const double near_mm = kSamePlace * pose.Center().norm();
+    for (const BundleView& other : views) {
+      const Pose& there = other.camera_from_world;
+      counts[a] += other.camera == views[a].camera &&
+                   (pose.Center() - there.Center()).norm() < near_mm &&
+                   RotationAngle(pose.rotation, there.rotation) < kSamePlace;
+    }
+  }
+  return counts;
 }
 
 // Keeps the corners that a picture's own noise explains, then judges what is left.
@@ -134,11 +153,13 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
     all.bundle.views.push_back(ViewOfCorners(picture, corners));
     all.bundle.views.back().camera = index.at(picture.camera);
   }
+  const std::vector<double> repeats = CountRepeats(all.bundle.views);
   all.noise_px = std::max(kLeastNoisePx, count > 0 ? std::sqrt(squared / count) : 0);
   for (size_t v = 0; v < all.pictures.size(); ++v) {
     const double own = std::max(kLeastNoisePx, adjustment.pictures[all.pictures[v]].noise_px);
     const bool known = adjustment.pictures[all.pictures[v]].noise_px > 0;
-    all.bundle.views[v].weight = known ? all.noise_px * all.noise_px / (own * own) : 1;
+    all.bundle.views[v].weight =
+        (known ? all.noise_px * all.noise_px / (own * own) : 1) / repeats[v];
   }
   if (adjustment.platform.moves != PlatformMoves::kNone || adjustment.platform.bent) {
     all.bundle.platform = MakePlatformUnknowns(board, adjustment.platform);

@@ -22,8 +22,8 @@ struct CornerObservation {
 };
 
 struct CornerSearch {
-  int window_radius_px = 8;            ///< pixels compared on each side of the corner
-  double blur_px = 0;                  ///< standard deviation of the picture's blur
+  int window_radius_px = 8;  ///< pixels compared on each side of the corner
+  double blur_px = 0;        ///< standard deviation of the picture's blur
   PixelSampling sampling = PixelSampling::kFine;
   double max_shift_px = 1.5;           ///< from the predicted place
   double max_relative_residual = 0.1;  ///< RMS of what the model leaves, over the contrast

@@ -21,9 +21,9 @@ struct PixelFootprint {
   double tail = 0;   ///< beyond this distance no light is left to speak of
 };
 
-/// How many places of a pixel are looked at: 34, or 144 where less than half a pixel of blur is left.
-/// Few points stand in line with a sharp edge; the steps in which they pass it look like blur, and
-/// double the error of a corner in a picture without noise.
+/// How many places of a pixel are looked at: 34, or 144 where less than half a pixel of blur is
+/// left. Few points stand in line with a sharp edge; the steps in which they pass it look like
+/// blur, and double the error of a corner in a picture without noise.
 enum class PixelSampling { kCoarse, kFine };
 
 /// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice pushed
@@ -35,8 +35,8 @@ PixelFootprint MakePixelFootprint(double blur_px, PixelSampling sampling = Pixel
 ///
 ///   board = board_from_pixel (d - lens_curvature (dx^2, dx dy, dy^2)),  d the offset to `pixel`
 struct LocalView {
-  Eigen::Vector2d pixel;             ///< where the board point appears
-  Eigen::Matrix3d board_from_pixel;  ///< homography to board coordinates, mm
+  Eigen::Vector2d pixel;                       ///< where the board point appears
+  Eigen::Matrix3d board_from_pixel;            ///< homography to board coordinates, mm
   Eigen::Matrix<double, 2, 3> lens_curvature;  ///< 1/px
 };
 

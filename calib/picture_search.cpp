@@ -20,6 +20,8 @@ constexpr CornerSearch kRoughSearch = {
     .blur_px = kRoughBlurPx, .max_shift_px = 4.0, .max_relative_residual = 0.15};
 constexpr CornerSearch kFineSearch = {.max_shift_px = 1.5};
 constexpr int kMinRoughCorners = 4;
+// A coarse look is quick and loses some corners in a hundred: too many where there are few.
+constexpr size_t kManyCorners = 64;
 
 // Left and right exchanged; 8 bits do for tags.
 Image MirrorImage(const Image& image) {
@@ -115,8 +117,8 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
       selected.push_back(i);
     }
   }
-  const BoardPrint print(board);
-  const std::vector<CornerPlace> corners = PlaceCorners(board, shape);
+  const BoardPrint print(MoveTags(board, shape));
+  const std::vector<CornerPlace> corners = PlaceCornersOfMovedTags(board, shape);
   const std::vector<Eigen::Vector3d> positions = CornerPositions(BoardCorners(board), shape);
   progress.Start("refining corners", static_cast<int64_t>(selected.size()));
   ParallelFor(0, static_cast<int64_t>(selected.size()), [&](int64_t i) {
@@ -130,7 +132,9 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
     }
     CornerSearch fine = kFineSearch;
     fine.blur_px = picture.blur_px;
-    if (start == StartQuality::kRough) fine.sampling = PixelSampling::kCoarse;
+    if (start == StartQuality::kRough && corners.size() >= kManyCorners) {
+      fine.sampling = PixelSampling::kCoarse;
+    }
     picture = SearchAndPose(std::move(picture), gray, print, corners, positions, camera, fine,
                             options.robust_scale_px);
     if (static_cast<int>(picture.corners.size()) < least_corners) {

@@ -48,6 +48,22 @@ std::vector<CornerPlace> PlaceCorners(const std::vector<Eigen::Vector3d>& printe
   return places;
 }
 
+Board MoveTags(const Board& board, const PlatformShape& shape) {
+  Board moved = board;
+  if (shape.shifts_mm.empty()) return moved;
+  for (size_t t = 0; t < moved.tags.size(); ++t) {
+    for (size_t c = 0; c < 4; ++c) moved.tags[t].center_mm += shape.shifts_mm[4 * t + c] / 4;
+  }
+  return moved;
+}
+
+std::vector<CornerPlace> PlaceCornersOfMovedTags(const Board& board, const PlatformShape& shape) {
+  std::vector<CornerPlace> places = PlaceCorners(board, shape);
+  const std::vector<Eigen::Vector3d> printed = BoardCorners(MoveTags(board, shape));
+  for (size_t i = 0; i < places.size(); ++i) places[i].printed = printed[i];
+  return places;
+}
+
 std::vector<Eigen::Vector3d> CornerPositions(const std::vector<Eigen::Vector3d>& printed,
                                              const PlatformShape& shape) {
   std::vector<Eigen::Vector3d> positions;

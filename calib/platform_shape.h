@@ -37,6 +37,12 @@ std::vector<CornerPlace> PlaceCorners(const Board& board, const PlatformShape& s
 std::vector<CornerPlace> PlaceCorners(const std::vector<Eigen::Vector3d>& printed,
                                       const PlatformShape& shape);
 
+/// The print with every tag moved by the mean shift of its corners: what pictures show round a
+/// corner, neighbours included. The board itself where nothing moved.
+Board MoveTags(const Board& board, const PlatformShape& shape);
+/// PlaceCorners, with `CornerPlace::printed` on the print of MoveTags.
+std::vector<CornerPlace> PlaceCornersOfMovedTags(const Board& board, const PlatformShape& shape);
+
 /// The positions of PlaceCorners alone.
 std::vector<Eigen::Vector3d> CornerPositions(const std::vector<Eigen::Vector3d>& printed,
                                              const PlatformShape& shape);
