@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "calib/homography.h"
 
@@ -12,10 +13,13 @@ namespace {
 
 constexpr double kMaxErrorInTags = 1.0 / 3;
 constexpr double kMinAgreeingShare = 2.0 / 3;
+// Of all copies of all tags: a second board must not be as large as the first.
+constexpr double kMinShareOfCopies = 0.55;
 // All pairs of the usual two dozen tags; on larger boards an even selection of pairs does.
 constexpr size_t kMaxPairs = 600;
 
 struct SeenTag {
+  int id = 0;
   std::array<Eigen::Vector2d, 4> points_mm, pixels;
   double side_px = 0;
 };
@@ -29,6 +33,7 @@ std::vector<SeenTag> SelectBoardTags(const Board& board,
     const auto it = tag_of_id.find(detection.id);
     if (it == tag_of_id.end()) continue;
     SeenTag tag;
+    tag.id = detection.id;
     const std::array<Eigen::Vector3d, 4> corners = board.TagCorners(*it->second);
     tag.pixels = detection.corners;
     for (int c = 0; c < 4; ++c) {
@@ -109,7 +114,11 @@ std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
                          ") are not on the board; a picture of another board?"};
   }
   const std::vector<size_t> agreeing = LargestAgreement(seen);
-  if (static_cast<double>(agreeing.size()) < kMinAgreeingShare * static_cast<double>(seen.size())) {
+  std::set<int> ids;
+  for (const SeenTag& tag : seen) ids.insert(tag.id);
+  const double agree = static_cast<double>(agreeing.size());
+  if (agree < kMinAgreeingShare * static_cast<double>(ids.size()) ||
+      agree < kMinShareOfCopies * static_cast<double>(seen.size())) {
     return BoardMismatch{"only " + std::to_string(agreeing.size()) + " of " +
                          std::to_string(seen.size()) +
                          " tags lie as on the board; two boards mixed up?"};

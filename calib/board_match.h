@@ -26,10 +26,11 @@ struct BoardMismatch {
 
 /// Finds the largest set of detections that one homography of the board explains to within a
 /// third of a tag (room for lens distortion), tried from pairs of tags. Detections of ids that
-/// the board does not have are passed over.
+/// the board does not have are passed over; so are further copies of a tag elsewhere in the picture
+/// (a reflection, another print), as long as they are the smaller part.
 ///
 /// Mismatch when there is no tag, none of the board's, or fewer than two thirds of the board's
-/// tags agree (two boards in one picture, or another layout with the same ids).
+/// tags that are seen agree (two boards in one picture, or another layout with the same ids).
 std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
                                                    const std::vector<TagDetection>& detections);
 

@@ -3,50 +3,121 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
-#include "calib/bundle_adjustment.h"
 #include "calib/camera_adjustment.h"
-#include "calib/lens_choice.h"
+#include "calib/camera_groups.h"
+#include "calib/camera_start.h"
 #include "calib/picture_search.h"
 #include "core/error.h"
 
 namespace lfm {
 namespace {
 
-// Corners are searched from rough poses first; once more from good ones, where the print is
-// rendered with the right lens.
-constexpr StartQuality kRounds[] = {StartQuality::kRough, StartQuality::kGood};
+// Metres for millimetres make a tag of a few hundredths: no camera could read it.
+constexpr double kLeastTagMm = 0.5;
 
-CameraAdjustment CalibrateCamera(std::vector<CalibPicture> pictures, const std::string& name,
-                                 const Capture& capture, const Board& board,
-                                 const ImageLoader& load_image, const CalibOptions& options,
-                                 Progress& progress) {
-  const CaptureCamera& given = capture.cameras.at(name);
-  CameraAdjustment adjustment =
-      StartCamera(std::move(pictures), name, given.width, given.height, given.intrinsics);
-  for (const StartQuality start : kRounds) {
-    adjustment.pictures =
-        RefineCorners(std::move(adjustment.pictures), name, PhotoSplit::kTrain, adjustment.camera,
-                      board, load_image, start, options, progress);
-    if (start == StartQuality::kGood && !given.intrinsics) {
-      adjustment.lens_terms = ChooseLensTerms(adjustment, name, board, options);
-    }
-    adjustment = AdjustCamera(std::move(adjustment), name, board, given.intrinsics, options);
+void CheckUnits(const Board& board, const std::string& where) {
+  if (board.tag_size_mm >= kLeastTagMm) return;
+  char size[64];
+  std::snprintf(size, sizeof size, "%g mm", board.tag_size_mm);
+  throw Error(where + ": tag_size_mm: tags of " + size +
+              " cannot be read by any camera; sizes given in metres? Multiply every length of the "
+              "file by 1000 (a 24 mm tag is 24, not 0.024)");
+}
+
+Adjustment StartCameras(CameraGroups groups) {
+  Adjustment adjustment;
+  std::vector<CalibPicture> pictures = std::move(groups.pictures);
+  for (const auto& [name, given] : groups.cameras) {
+    const bool used = std::any_of(pictures.begin(), pictures.end(),
+                                  [&](const CalibPicture& p) { return p.camera == name; });
+    if (!used) continue;
+    CameraStart start =
+        StartCamera(std::move(pictures), name, given.width, given.height, given.intrinsics);
+    pictures = std::move(start.pictures);
+    adjustment.cameras[name] = {start.camera, given.intrinsics.has_value()};
   }
-  adjustment.pictures =
-      StartPoses(std::move(adjustment.pictures), name, PhotoSplit::kTest, adjustment.camera);
-  for (const StartQuality start : kRounds) {
-    adjustment.pictures =
-        RefineCorners(std::move(adjustment.pictures), name, PhotoSplit::kTest, adjustment.camera,
-                      board, load_image, start, options, progress);
-  }
-  adjustment.pictures =
-      AdjustTestPoses(std::move(adjustment.pictures), name, adjustment.camera, board, options);
+  adjustment.pictures = std::move(pictures);
   return adjustment;
 }
 
-PosedImage MakePosedImage(const CalibPicture& picture, const BundleView& view, const Camera& camera,
-                          double noise_px) {
+/// What every step of a calibration needs beside the state that it moves.
+struct Studio {
+  const Board& board;
+  const ImageLoader& load_image;
+  const CalibOptions& options;
+  Progress& progress;
+};
+
+Adjustment RefineAll(Adjustment adjustment, PhotoSplit split, StartQuality start,
+                     const Studio& studio) {
+  for (const auto& [name, camera] : adjustment.cameras) {
+    adjustment.pictures =
+        RefineCorners(std::move(adjustment.pictures), name, split, camera.camera, studio.board,
+                      adjustment.shape, studio.load_image, start,
+                      LeastCorners(studio.board, studio.options), studio.options, studio.progress);
+  }
+  return adjustment;
+}
+
+Adjustment ChooseLenses(Adjustment adjustment, CalibResult& result, const Studio& studio) {
+  for (auto& [name, camera] : adjustment.cameras) {
+    if (camera.known) continue;
+    const LensChoice lens = ChooseLensTerms(adjustment, name, studio.board, studio.options);
+    camera.lens_terms = lens.terms;
+    result.lens_trials[name] = lens.trials;
+  }
+  return adjustment;
+}
+
+bool DepartsFromPrint(const Adjustment& adjustment) {
+  return adjustment.platform.bent || adjustment.platform.moves != PlatformMoves::kNone;
+}
+
+// Lenses are chosen again when the platform turned out not to be as printed: its errors may have
+// passed for lens terms.
+Adjustment ChooseModels(Adjustment adjustment, CalibResult& result, const Studio& studio) {
+  adjustment = ChooseLenses(std::move(adjustment), result, studio);
+  const PlatformChoice platform = ChoosePlatform(adjustment, studio.board, studio.options);
+  adjustment.platform = platform.model;
+  result.platform_trials = platform.trials;
+  if (!DepartsFromPrint(adjustment)) return adjustment;
+  adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
+  return ChooseLenses(std::move(adjustment), result, studio);
+}
+
+// Corners are searched from rough poses first; once more from good ones, where the print is
+// rendered with the right lens at the right place; and again where the platform turned out not to
+// be as printed, since corners far off were out of reach. No picture is judged before it is known
+// what the platform looks like.
+Adjustment AdjustTraining(Adjustment adjustment, CalibResult& result, const Studio& studio) {
+  adjustment = RefineAll(std::move(adjustment), PhotoSplit::kTrain, StartQuality::kRough, studio);
+  adjustment = AdjustRobustly(std::move(adjustment), studio.board, studio.options);
+  adjustment = ChooseModels(std::move(adjustment), result, studio);
+  adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
+  const int rounds = DepartsFromPrint(adjustment) ? 2 : 1;
+  for (int round = 0; round < rounds; ++round) {
+    adjustment = RefineAll(std::move(adjustment), PhotoSplit::kTrain, StartQuality::kGood, studio);
+    adjustment = ChooseModels(std::move(adjustment), result, studio);
+    adjustment = AdjustCorners(std::move(adjustment), studio.board, studio.options);
+  }
+  return adjustment;
+}
+
+Adjustment PoseTests(Adjustment adjustment, const Studio& studio) {
+  for (const auto& [name, camera] : adjustment.cameras) {
+    adjustment.pictures =
+        StartPoses(std::move(adjustment.pictures), name, PhotoSplit::kTest, camera.camera);
+  }
+  for (const StartQuality start : {StartQuality::kRough, StartQuality::kGood}) {
+    adjustment = RefineAll(std::move(adjustment), PhotoSplit::kTest, start, studio);
+  }
+  return AdjustTestPoses(std::move(adjustment), studio.board, studio.options);
+}
+
+PosedImage MakePosedImage(const CalibPicture& picture, const Camera& camera, const BundleView& view,
+                          const Eigen::Matrix<double, 6, 6>& covariance) {
   PosedImage posed;
   posed.id = picture.id;
   posed.camera = picture.camera;
@@ -60,67 +131,57 @@ PosedImage MakePosedImage(const CalibPicture& picture, const BundleView& view, c
       posed.seen.push_back({view.points[i], view.pixels[i]});
     }
   }
-  const CornerStatistics statistics = ComputeCornerStatistics(camera, {view}, 0);
-  posed.reprojection_rms_px =
-      std::sqrt(statistics.squared_px2 / static_cast<double>(statistics.corners));
-  posed.covariance =
-      CovarianceFromInformation(ComputeInformation(camera, {view}).poses[0], noise_px * noise_px);
+  double squared = 0;
+  for (const auto& error : ReprojectionErrors(camera, view)) {
+    if (error) squared += error->squaredNorm();
+  }
+  posed.reprojection_rms_px = std::sqrt(squared / std::max(1, posed.corners));
+  posed.covariance = covariance;
   return posed;
 }
 
-double NoiseOfCamera(const CameraAdjustment& adjustment, const std::string& name,
-                     const std::vector<Eigen::Vector3d>& corners, bool intrinsics_known) {
-  std::vector<BundleView> views;
-  for (const CalibPicture& picture : adjustment.pictures) {
-    if (picture.InUse() && picture.camera == name && picture.split == PhotoSplit::kTrain) {
-      views.push_back(ViewOfCorners(picture, corners));
-    }
+/// Covariances of all pictures that are in use, by their place among the pictures.
+std::map<size_t, Eigen::Matrix<double, 6, 6>> PoseCovariances(const Adjustment& adjustment,
+                                                              CalibResult& result,
+                                                              const Studio& studio) {
+  AdjustmentBundle train = BundleOf(adjustment, studio.board, PhotoSplit::kTrain, studio.options);
+  AdjustmentBundle test = BundleOf(adjustment, studio.board, PhotoSplit::kTest, studio.options);
+  // Both are weighed against the training pictures' noise.
+  const double ratio = train.noise_px / test.noise_px;
+  for (BundleView& view : test.bundle.views) view.weight *= ratio * ratio;
+  const BundleCovariance covariance =
+      ComputeCovariance(train.bundle, adjustment.shape, train.noise_px, test.bundle.views);
+  size_t index = 0;
+  for (const auto& [name, camera] : adjustment.cameras) {
+    const auto& of_camera = covariance.cameras[index++];
+    if (camera.known) continue;
+    CheckObservable(name, camera.camera, of_camera);
+    const int adjusted = kFirstLensTerm + camera.lens_terms;
+    result.intrinsics_covariance[name] = of_camera.topLeftCorner(adjusted, adjusted);
+    result.lens_terms[name] = camera.lens_terms;
   }
-  const int fitted = intrinsics_known ? 0 : 4 + adjustment.lens_terms;
-  const double noise = ComputeCornerStatistics(adjustment.camera, views, fitted).noise_px;
-  if (!intrinsics_known) {
-    CheckFocalObservable(name, adjustment.camera, views, noise, adjustment.lens_terms);
+  std::map<size_t, Eigen::Matrix<double, 6, 6>> poses;
+  for (size_t v = 0; v < train.pictures.size(); ++v) poses[train.pictures[v]] = covariance.poses[v];
+  for (size_t v = 0; v < test.pictures.size(); ++v) {
+    poses[test.pictures[v]] = covariance.followers[v];
   }
-  return noise;
+  return poses;
 }
 
-}  // namespace
-
-CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoader& load_image,
-                      const CalibOptions& options, Progress& progress) {
-  CalibOptions checked = options;
-  ValidateOptions(AnyOptions(checked));
-  ValidateBoard(board, board.name.empty() ? "board" : board.name);
-  std::vector<CalibPicture> pictures = ListPictures(capture);
-  if (pictures.empty()) {
-    throw Error((capture.folder / "capture.json").string() +
-                ": no pictures; list at least three photographs of the platform");
-  }
-  pictures = FindBoards(std::move(pictures), capture, board, load_image, progress);
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
-  CalibResult result;
-  std::map<std::string, double> noise_of_camera;
-  for (const auto& [name, given] : capture.cameras) {
-    const bool used = std::any_of(pictures.begin(), pictures.end(),
-                                  [&](const CalibPicture& p) { return p.camera == name; });
-    if (!used) continue;
-    CameraAdjustment adjustment =
-        CalibrateCamera(std::move(pictures), name, capture, board, load_image, checked, progress);
-    noise_of_camera[name] = NoiseOfCamera(adjustment, name, corners, given.intrinsics.has_value());
-    result.cameras[name] = adjustment.camera;
-    if (!given.intrinsics) result.lens_terms[name] = adjustment.lens_terms;
-    pictures = std::move(adjustment.pictures);
-  }
+void ListPosed(const Adjustment& adjustment, const Studio& studio, CalibResult& result) {
+  const auto covariances = PoseCovariances(adjustment, result, studio);
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(studio.board), adjustment.shape);
   double squared = 0, noise_squared = 0;
   int64_t count = 0;
-  for (const CalibPicture& picture : pictures) {
+  for (size_t i = 0; i < adjustment.pictures.size(); ++i) {
+    const CalibPicture& picture = adjustment.pictures[i];
     if (!picture.InUse()) {
       result.rejected.push_back({picture.id, picture.file, picture.rejected});
       continue;
     }
-    const double noise = noise_of_camera.at(picture.camera);
-    const PosedImage posed = MakePosedImage(picture, ViewOfCorners(picture, corners),
-                                            result.cameras.at(picture.camera), noise);
+    const PosedImage posed = MakePosedImage(picture, adjustment.cameras.at(picture.camera).camera,
+                                            ViewOfCorners(picture, corners), covariances.at(i));
     if (picture.kind == PictureKind::kScan) {
       result.scans.push_back(posed);
     } else if (picture.kind == PictureKind::kPlacement) {
@@ -129,7 +190,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
       result.photos.push_back(posed);
       if (picture.split != PhotoSplit::kTrain) continue;
       squared += posed.reprojection_rms_px * posed.reprojection_rms_px * posed.corners;
-      noise_squared += noise * noise * posed.corners;
+      noise_squared += picture.noise_px * picture.noise_px * posed.corners;
       count += posed.corners;
     }
   }
@@ -137,6 +198,35 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
     result.reprojection_rms_px = std::sqrt(squared / static_cast<double>(count));
     result.corner_noise_px = std::sqrt(noise_squared / static_cast<double>(count));
   }
+}
+
+}  // namespace
+
+CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoader& load_image,
+                      const CalibOptions& options, Progress& progress) {
+  CalibOptions checked = options;
+  ValidateOptions(AnyOptions(checked));
+  const std::string board_name = board.name.empty() ? "board" : board.name;
+  ValidateBoard(board, board_name);
+  CheckUnits(board, board_name);
+  std::vector<CalibPicture> pictures = ListPictures(capture);
+  if (pictures.empty()) {
+    throw Error((capture.folder / "capture.json").string() +
+                ": no pictures; list at least three photographs of the platform");
+  }
+  const Studio studio{board, load_image, checked, progress};
+  pictures = FindBoards(std::move(pictures), board, load_image, progress);
+  const ExifReader read_exif = [&](const std::string& file) {
+    return ReadExifCamera(capture.folder / file);
+  };
+  CalibResult result;
+  Adjustment adjustment = StartCameras(GroupByExif(std::move(pictures), capture, read_exif));
+  adjustment = AdjustTraining(std::move(adjustment), result, studio);
+  adjustment = PoseTests(std::move(adjustment), studio);
+  for (const auto& [name, camera] : adjustment.cameras) result.cameras[name] = camera.camera;
+  result.platform_model = PlatformModelName(adjustment.platform);
+  result.platform_shape = adjustment.shape;
+  ListPosed(adjustment, studio, result);
   return result;
 }
 

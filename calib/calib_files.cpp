@@ -5,6 +5,7 @@
 
 #include "calib/board.h"
 #include "calib/bundle_adjustment.h"
+#include "calib/model_files.h"
 #include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
@@ -103,7 +104,11 @@ CalibResult LoadCameras(const std::filesystem::path& file) {
   for (const std::string& name : lens_terms.Keys()) {
     if (!result.cameras.contains(name)) lens_terms.Fail(name, "is not among the cameras");
     result.lens_terms[name] = lens_terms.Integer(name, 0, kAllLensTerms);
+    if (!IsLensModel(result.lens_terms[name])) {
+      lens_terms.Fail(name, "expected 0, 1, 2, 4, 5 or 8");
+    }
   }
+  LensModelsFromJson(reader, result);
   if (result.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
   if (result.corner_noise_px < 0) reader.Fail("corner_noise_px", "must not be negative");
   reader.Finish();
@@ -137,6 +142,7 @@ void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
                             {"reprojection_rms_px", result.reprojection_rms_px},
                             {"corner_noise_px", result.corner_noise_px},
                             {"lens_terms", result.lens_terms}};
+  LensModelsToJson(result, cameras);
   for (const auto& [name, camera] : result.cameras) {
     cameras["cameras"][name] = CameraToJson(camera);
   }
@@ -148,11 +154,13 @@ void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
     poses["rejected"].push_back({{"id", image.id}, {"file", image.file}, {"reason", image.reason}});
   }
   WriteJson(cameras, folder / "cameras.json");
+  WriteJson(PlatformToJson(result), folder / "platform.json");
   WriteJson(poses, folder / "poses.json");
 }
 
 CalibResult LoadCalib(const std::filesystem::path& folder) {
   CalibResult result = LoadCameras(folder / "cameras.json");
+  LoadPlatform(folder / "platform.json", result);
   const std::filesystem::path file = folder / "poses.json";
   const nlohmann::json json = ReadJson(file);
   JsonReader reader(json, file.string());

@@ -20,8 +20,10 @@ struct CalibPicture {
   PhotoSplit split = PhotoSplit::kTrain;
   std::string rejected;  ///< the reason it was set aside, or empty
 
-  BoardMatch match;  ///< tags as the detector saw them
+  int width = 0, height = 0;  ///< of the picture, px
+  BoardMatch match;           ///< tags as the detector saw them
   double blur_px = 0;
+  double noise_px = 0;  ///< standard deviation of a corner coordinate, once it is known
   Pose camera_from_world;
   std::vector<CornerObservation> corners;  ///< refined
 

@@ -47,9 +47,9 @@ Image DimmedRgb(const Image& photo) {
   return canvas;
 }
 
-void DrawBoardOutline(cv::Mat& canvas, const Board& board, const Camera& camera,
-                      const Pose& camera_from_world) {
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
+void DrawBoardOutline(cv::Mat& canvas, const Board& board, const PlatformShape& shape,
+                      const Camera& camera, const Pose& camera_from_world) {
+  const std::vector<Eigen::Vector3d> corners = CornerPositions(BoardCorners(board), shape);
   const size_t tag_corners = 4 * board.tags.size();
   for (size_t i = 0; i < corners.size(); ++i) {
     const auto here = Project(camera, camera_from_world * corners[i]);
@@ -69,16 +69,16 @@ void DrawBoardOutline(cv::Mat& canvas, const Board& board, const Camera& camera,
 }  // namespace
 
 Image DrawCalibration(const Image& photo, const Board& board, const Camera& camera,
-                      const PosedImage& image) {
+                      const PlatformShape& shape, const PosedImage& image) {
   if (photo.width() != camera.width || photo.height() != camera.height) {
     throw Error(image.file + ": the picture has not the size of camera \"" + image.camera + "\"");
   }
   Image drawing = DimmedRgb(photo);
   cv::Mat canvas(drawing.height(), drawing.width(), CV_8UC3, drawing.Data<uint8_t>());
-  DrawBoardOutline(canvas, board, camera, image.camera_from_world);
+  DrawBoardOutline(canvas, board, shape, camera, image.camera_from_world);
 
-  const BoardPrint print(board);
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
+  const BoardPrint print(MoveTags(board, shape));
+  const std::vector<CornerPlace> corners = PlaceCornersOfMovedTags(board, shape);
   const Image gray = LinearGray(photo);
   CornerSearch search = {.max_shift_px = 3};
   const auto found = FindCorners(gray, print, corners, camera, image.camera_from_world, search);
@@ -86,7 +86,8 @@ Image DrawCalibration(const Image& photo, const Board& board, const Camera& came
       EstimateBlur(gray, print, corners, camera, image.camera_from_world, found, search);
   for (const CornerObservation& corner :
        FindCorners(gray, print, corners, camera, image.camera_from_world, search)) {
-    const auto projected = Project(camera, image.camera_from_world * corners[corner.corner]);
+    const auto projected =
+        Project(camera, image.camera_from_world * corners[corner.corner].position);
     if (!projected) continue;
     const Eigen::Vector2d residual = corner.pixel - *projected;
     DrawDot(canvas, corner.pixel, 1.5, kGreen);

@@ -14,6 +14,6 @@ namespace lfm {
 /// red beyond a tenth of a pixel). Hidden corners have no dot. A scale bar says what an arrow of
 /// 0.1 px looks like. Throws Error when the photograph does not have the camera's size.
 Image DrawCalibration(const Image& photo, const Board& board, const Camera& camera,
-                      const PosedImage& image);
+                      const PlatformShape& shape, const PosedImage& image);
 
 }  // namespace lfm

@@ -5,22 +5,22 @@
 #include <cmath>
 #include <cstdio>
 
-#include "calib/bundle_adjustment.h"
+#include "calib/camera_start.h"
 #include "calib/picture_search.h"
-#include "calib/pose_estimation.h"
 #include "core/error.h"
 
 namespace lfm {
 namespace {
 
-constexpr int kMinPictures = 3;
-constexpr int kIntrinsics = 9;
-constexpr double kUsualFocalInWidths = 1.2;
-constexpr double kMaxFocalError = 0.02;
+constexpr double kMaxFocalError = 0.02, kMaxCenterError = 0.02;
 constexpr double kOutlierSigmas = 4.5;
-// Detected tag corners are off by half a pixel, and by more before the lens is known.
-constexpr double kLensUnknownScalePx = 4.0;
-constexpr double kDetectionScalePx = 1.0;
+constexpr int kMaxIterations = 100;
+// A picture's own noise counts as so many residuals of all pictures' noise.
+constexpr double kSharedFreedom = 40;
+// Exact corners would make anything look certain: half a hundredth of a pixel is assumed at least.
+constexpr double kLeastNoisePx = 0.005;
+// Views this close (of their distance, and in radians) are one.
+constexpr double kSamePlace = 0.002;
 
 std::string Rounded(double value) {
   char text[32];
@@ -28,63 +28,12 @@ std::string Rounded(double value) {
   return text;
 }
 
-bool Selected(const CalibPicture& picture, const std::string& camera_name, PhotoSplit split) {
-  return picture.InUse() && picture.camera == camera_name && picture.split == split;
-}
-
-std::vector<size_t> SelectPictures(const std::vector<CalibPicture>& pictures,
-                                   const std::string& camera_name, PhotoSplit split) {
-  std::vector<size_t> selected;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    if (Selected(pictures[i], camera_name, split)) selected.push_back(i);
-  }
-  return selected;
-}
-
-void RequireEnough(const std::vector<CalibPicture>& pictures, const std::string& camera_name) {
-  const size_t in_use = SelectPictures(pictures, camera_name, PhotoSplit::kTrain).size();
-  if (in_use >= kMinPictures) return;
-  std::string first;
-  for (const CalibPicture& picture : pictures) {
-    if (picture.camera == camera_name && !picture.InUse() && first.empty()) {
-      first = "; set aside, for example: " + picture.file + ": " + picture.rejected;
-    }
-  }
-  throw Error("camera \"" + camera_name + "\": " + std::to_string(in_use) +
-              " usable training picture" + (in_use == 1 ? "" : "s") +
-              " of the platform; at least three are needed, from different directions" + first);
-}
-
-std::vector<Eigen::Vector3d> OnPlate(const std::vector<Eigen::Vector2d>& points_mm) {
-  std::vector<Eigen::Vector3d> points;
-  for (const Eigen::Vector2d& p : points_mm) points.emplace_back(p.x(), p.y(), 0.0);
-  return points;
-}
-
-BundleView ViewOfTags(const CalibPicture& picture) {
-  return {picture.camera_from_world, OnPlate(picture.match.points_mm), picture.match.pixels};
-}
-
-Camera AdjustToTags(const Camera& camera, std::vector<CalibPicture>& pictures,
-                    const std::string& camera_name, const BundleOptions& options) {
-  std::vector<BundleView> views;
-  const std::vector<size_t> selected = SelectPictures(pictures, camera_name, PhotoSplit::kTrain);
-  for (const size_t i : selected) views.push_back(ViewOfTags(pictures[i]));
-  const BundleResult result = AdjustBundle(camera, views, options);
-  for (size_t v = 0; v < selected.size(); ++v) {
-    pictures[selected[v]].camera_from_world = result.poses[v];
-  }
-  return result.camera;
-}
-
-double RobustSigma(const Camera& camera, const std::vector<BundleView>& views) {
+double RobustSigma(const std::vector<std::optional<Eigen::Vector2d>>& errors) {
   std::vector<double> magnitudes;
-  for (const BundleView& view : views) {
-    for (const auto& error : ReprojectionErrors(camera, view)) {
-      if (!error) continue;
-      magnitudes.push_back(std::abs(error->x()));
-      magnitudes.push_back(std::abs(error->y()));
-    }
+  for (const auto& error : errors) {
+    if (!error) continue;
+    magnitudes.push_back(std::abs(error->x()));
+    magnitudes.push_back(std::abs(error->y()));
   }
   if (magnitudes.empty()) return 0;
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
@@ -92,14 +41,38 @@ double RobustSigma(const Camera& camera, const std::vector<BundleView>& views) {
   return 1.4826 * *middle;
 }
 
+std::vector<size_t> InUse(const Adjustment& adjustment, PhotoSplit split) {
+  std::vector<size_t> selected;
+  for (size_t i = 0; i < adjustment.pictures.size(); ++i) {
+    const CalibPicture& picture = adjustment.pictures[i];
+    if (picture.InUse() && picture.split == split) selected.push_back(i);
+  }
+  return selected;
+}
+
+// How many of the views were taken from a view's place. What such pictures have wrong, they have in
+// common (the print, the lens, where pixels cut edges): together they say what one of them says.
+std::vector<double> CountRepeats(const std::vector<BundleView>& views) {
+  std::vector<double> counts(views.size());
+  for (size_t a = 0; a < views.size(); ++a) {
+    const Pose& pose = views[a].camera_from_world;
+    const double near_mm = kSamePlace * pose.Center().norm();
+    for (const BundleView& other : views) {
+      const Pose& there = other.camera_from_world;
+      counts[a] += other.camera == views[a].camera &&
+                   (pose.Center() - there.Center()).norm() < near_mm &&
+                   RotationAngle(pose.rotation, there.rotation) < kSamePlace;
+    }
+  }
+  return counts;
+}
+
 // Keeps the corners that a picture's own noise explains, then judges what is left.
 CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
                           const std::vector<Eigen::Vector3d>& corners, double common_sigma_px,
-                          const CalibOptions& options) {
-  const BundleView view = ViewOfCorners(picture, corners);
-  const double limit =
-      kOutlierSigmas * std::max(common_sigma_px, RobustSigma(camera, {view})) + 1e-9;
-  const auto errors = ReprojectionErrors(camera, view);
+                          int least_corners, const CalibOptions& options) {
+  const auto errors = ReprojectionErrors(camera, ViewOfCorners(picture, corners));
+  const double limit = kOutlierSigmas * std::max(common_sigma_px, RobustSigma(errors)) + 1e-9;
   std::vector<CornerObservation> kept;
   double squared = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
@@ -108,10 +81,10 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
     squared += errors[i]->squaredNorm();
   }
   const double rms = kept.empty() ? 0 : std::sqrt(squared / static_cast<double>(kept.size()));
-  if (static_cast<int>(kept.size()) < options.min_corners) {
+  if (static_cast<int>(kept.size()) < least_corners) {
     picture.rejected = "only " + std::to_string(kept.size()) + " of " +
                        std::to_string(errors.size()) + " corners agree with one pose, at least " +
-                       std::to_string(options.min_corners) + " are needed";
+                       std::to_string(least_corners) + " are needed";
   } else if (rms > options.max_reprojection_px) {
     picture.rejected = "its corners fit to " + Rounded(rms) + " px only, more than " +
                        Rounded(options.max_reprojection_px) +
@@ -121,140 +94,171 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
   return picture;
 }
 
-CameraAdjustment AdjustOnce(CameraAdjustment adjustment, const std::string& camera_name,
-                            const std::vector<Eigen::Vector3d>& corners,
-                            const std::optional<Camera>& known, const CalibOptions& options) {
-  const std::vector<size_t> selected =
-      SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain);
-  std::vector<BundleView> views;
-  for (const size_t i : selected) views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
-  if (known) {
-    for (size_t v = 0; v < views.size(); ++v) {
-      adjustment.pictures[selected[v]].camera_from_world =
-          AdjustPose(*known, views[v], options.robust_scale_px);
+// The standard deviation of each picture's corners, drawn towards that of all pictures of its
+// camera: what was fitted is subtracted from the freedom, a share of the intrinsics a picture.
+void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split) {
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(board), adjustment.shape);
+  for (const auto& [name, camera] : adjustment.cameras) {
+    const std::vector<size_t> selected = SelectPictures(adjustment.pictures, name, split);
+    double squared = 0, freedom = camera.known || split == PhotoSplit::kTest
+                                      ? 0
+                                      : -(kFirstLensTerm + camera.lens_terms);
+    std::vector<std::pair<double, double>> of_picture;
+    for (const size_t i : selected) {
+      std::pair<double, double> own(0, -6);
+      for (const auto& error :
+           ReprojectionErrors(camera.camera, ViewOfCorners(adjustment.pictures[i], corners))) {
+        if (!error) continue;
+        own.first += error->squaredNorm();
+        own.second += 2;
+      }
+      squared += own.first, freedom += own.second;
+      of_picture.push_back(own);
     }
-    return adjustment;
+    const double common = freedom > 0 ? squared / freedom : 0;
+    for (size_t k = 0; k < selected.size(); ++k) {
+      const auto& [own_squared, own_freedom] = of_picture[k];
+      const double variance =
+          (own_squared + kSharedFreedom * common) / (std::max(0.0, own_freedom) + kSharedFreedom);
+      adjustment.pictures[selected[k]].noise_px = std::sqrt(variance);
+    }
   }
-  RequireEnough(adjustment.pictures, camera_name);
-  const BundleResult result = AdjustBundle(
-      KeepLensTerms(adjustment.camera, adjustment.lens_terms), views,
-      {.lens_terms = adjustment.lens_terms, .robust_scale_px = options.robust_scale_px});
-  adjustment.camera = result.camera;
-  for (size_t v = 0; v < selected.size(); ++v) {
-    adjustment.pictures[selected[v]].camera_from_world = result.poses[v];
-  }
-  return adjustment;
 }
 
 }  // namespace
 
-std::vector<CalibPicture> StartPoses(std::vector<CalibPicture> pictures,
-                                     const std::string& camera_name, PhotoSplit split,
-                                     const Camera& camera) {
-  for (const size_t i : SelectPictures(pictures, camera_name, split)) {
-    CalibPicture& picture = pictures[i];
-    const std::optional<Pose> pose = EstimatePlanarPose(camera, OnPlate(picture.match.points_mm),
-                                                        picture.match.pixels, kDetectionScalePx);
-    if (pose) {
-      picture.camera_from_world = *pose;
-    } else {
-      picture.rejected = "no pose explains its tags";
+int LeastCorners(const Board& board, const CalibOptions& options) {
+  return std::min(options.min_corners, static_cast<int>(BoardCorners(board).size()));
+}
+
+AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, PhotoSplit split,
+                          const CalibOptions& options) {
+  AdjustmentBundle all;
+  std::map<std::string, int> index;
+  for (const auto& [name, camera] : adjustment.cameras) {
+    index[name] = static_cast<int>(all.bundle.cameras.size());
+    all.bundle.cameras.push_back(
+        {camera.known ? camera.camera : KeepLensTerms(camera.camera, camera.lens_terms),
+         camera.known ? FreeIntrinsics::kNone : FreeIntrinsics::kAll, camera.lens_terms});
+  }
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(board), adjustment.shape);
+  all.pictures = InUse(adjustment, split);
+  double squared = 0, count = 0;
+  for (const size_t i : all.pictures) {
+    const CalibPicture& picture = adjustment.pictures[i];
+    squared += picture.noise_px * picture.noise_px * static_cast<double>(picture.corners.size());
+    count += static_cast<double>(picture.corners.size());
+    all.bundle.views.push_back(ViewOfCorners(picture, corners));
+    all.bundle.views.back().camera = index.at(picture.camera);
+  }
+  const std::vector<double> repeats = CountRepeats(all.bundle.views);
+  all.noise_px = std::max(kLeastNoisePx, count > 0 ? std::sqrt(squared / count) : 0);
+  for (size_t v = 0; v < all.pictures.size(); ++v) {
+    const double own = std::max(kLeastNoisePx, adjustment.pictures[all.pictures[v]].noise_px);
+    const bool known = adjustment.pictures[all.pictures[v]].noise_px > 0;
+    all.bundle.views[v].weight =
+        (known ? all.noise_px * all.noise_px / (own * own) : 1) / repeats[v];
+  }
+  if (adjustment.platform.moves != PlatformMoves::kNone || adjustment.platform.bent) {
+    all.bundle.platform = MakePlatformUnknowns(board, adjustment.platform);
+    all.bundle.platform->prior_mm = options.print_error_mm;
+    all.bundle.platform->noise_px = all.noise_px;
+  }
+  return all;
+}
+
+Adjustment AdjustRobustly(Adjustment adjustment, const Board& board, const CalibOptions& options) {
+  for (const auto& [name, camera] : adjustment.cameras) {
+    if (!camera.known) RequireEnough(adjustment.pictures, name);
+  }
+  const AdjustmentBundle all = BundleOf(adjustment, board, PhotoSplit::kTrain, options);
+  const JointResult result = AdjustJointly(all.bundle, options.robust_scale_px, kMaxIterations);
+  size_t index = 0;
+  for (auto& [name, camera] : adjustment.cameras) camera.camera = result.cameras[index++];
+  for (size_t v = 0; v < all.pictures.size(); ++v) {
+    adjustment.pictures[all.pictures[v]].camera_from_world = result.poses[v];
+  }
+  adjustment.shape = result.shape;
+  return adjustment;
+}
+
+Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibOptions& options) {
+  for (CalibPicture& picture : adjustment.pictures) picture.noise_px = 0;
+  adjustment = AdjustRobustly(std::move(adjustment), board, options);
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(board), adjustment.shape);
+  const int least = LeastCorners(board, options);
+  for (const auto& [name, camera] : adjustment.cameras) {
+    std::vector<std::optional<Eigen::Vector2d>> errors;
+    const std::vector<size_t> selected =
+        SelectPictures(adjustment.pictures, name, PhotoSplit::kTrain);
+    for (const size_t i : selected) {
+      const auto own =
+          ReprojectionErrors(camera.camera, ViewOfCorners(adjustment.pictures[i], corners));
+      errors.insert(errors.end(), own.begin(), own.end());
+    }
+    const double sigma = RobustSigma(errors);
+    for (const size_t i : selected) {
+      adjustment.pictures[i] = DropOutliers(std::move(adjustment.pictures[i]), camera.camera,
+                                            corners, sigma, least, options);
     }
   }
-  return pictures;
+  EstimateNoise(adjustment, board, PhotoSplit::kTrain);
+  adjustment = AdjustRobustly(std::move(adjustment), board, options);
+  EstimateNoise(adjustment, board, PhotoSplit::kTrain);
+  return adjustment;
 }
 
-CameraAdjustment StartCamera(std::vector<CalibPicture> pictures, const std::string& camera_name,
-                             int width, int height, const std::optional<Camera>& known) {
-  if (known) {
-    return {*known, StartPoses(std::move(pictures), camera_name, PhotoSplit::kTrain, *known)};
-  }
-  RequireEnough(pictures, camera_name);
-  std::vector<Eigen::Matrix3d> homographies;
-  for (const size_t i : SelectPictures(pictures, camera_name, PhotoSplit::kTrain)) {
-    homographies.push_back(pictures[i].match.pixel_from_board);
-  }
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = camera.fy = FocalFromHomographies(homographies, width, height)
-                              .value_or(kUsualFocalInWidths * std::max(width, height));
-  camera.cx = (width - 1) / 2.0;
-  camera.cy = (height - 1) / 2.0;
-  pictures = StartPoses(std::move(pictures), camera_name, PhotoSplit::kTrain, camera);
-  RequireEnough(pictures, camera_name);
-  camera = AdjustToTags(
-      camera, pictures, camera_name,
-      {.free = FreeIntrinsics::kFocalAndRadial, .robust_scale_px = kLensUnknownScalePx});
-  // With a lens, the other one of the two planar poses may turn out to be the right one.
-  pictures = StartPoses(std::move(pictures), camera_name, PhotoSplit::kTrain, camera);
-  RequireEnough(pictures, camera_name);
-  camera = AdjustToTags(camera, pictures, camera_name, {.robust_scale_px = kDetectionScalePx});
-  return {camera, std::move(pictures)};
-}
-
-CameraAdjustment AdjustCamera(CameraAdjustment adjustment, const std::string& camera_name,
-                              const Board& board, const std::optional<Camera>& known,
-                              const CalibOptions& options) {
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
-  adjustment = AdjustOnce(std::move(adjustment), camera_name, corners, known, options);
-  const std::vector<size_t> selected =
-      SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain);
-  std::vector<BundleView> views;
-  for (const size_t i : selected) views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
-  const double sigma = RobustSigma(adjustment.camera, views);
-  for (const size_t i : selected) {
-    CalibPicture& picture = adjustment.pictures[i];
-    picture = DropOutliers(std::move(picture), adjustment.camera, corners, sigma, options);
-  }
-  return AdjustOnce(std::move(adjustment), camera_name, corners, known, options);
-}
-
-std::vector<CalibPicture> AdjustTestPoses(std::vector<CalibPicture> pictures,
-                                          const std::string& camera_name, const Camera& camera,
-                                          const Board& board, const CalibOptions& options) {
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
-  for (const size_t i : SelectPictures(pictures, camera_name, PhotoSplit::kTest)) {
-    CalibPicture picture = DropOutliers(pictures[i], camera, corners, 0, options);
+Adjustment AdjustTestPoses(Adjustment adjustment, const Board& board, const CalibOptions& options) {
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(board), adjustment.shape);
+  for (const size_t i : InUse(adjustment, PhotoSplit::kTest)) {
+    const Camera& camera = adjustment.cameras.at(adjustment.pictures[i].camera).camera;
+    CalibPicture picture = DropOutliers(adjustment.pictures[i], camera, corners, 0,
+                                        LeastCorners(board, options), options);
     picture.camera_from_world =
         AdjustPose(camera, ViewOfCorners(picture, corners), options.robust_scale_px);
-    pictures[i] = std::move(picture);
+    adjustment.pictures[i] = std::move(picture);
   }
-  return pictures;
+  EstimateNoise(adjustment, board, PhotoSplit::kTest);
+  return adjustment;
 }
 
-CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector<BundleView>& views,
-                                         int fitted_intrinsics) {
-  CornerStatistics statistics;
-  double unknowns = fitted_intrinsics;
-  for (const BundleView& view : views) {
-    for (const auto& error : ReprojectionErrors(camera, view)) {
-      if (!error) continue;
-      ++statistics.corners;
-      statistics.squared_px2 += error->squaredNorm();
-    }
-    unknowns += view.points.empty() ? 0 : 6;
+LensChoice ChooseLensTerms(const Adjustment& adjustment, const std::string& camera_name,
+                           const Board& board, const CalibOptions& options) {
+  const std::vector<Eigen::Vector3d> corners =
+      CornerPositions(BoardCorners(board), adjustment.shape);
+  std::vector<BundleView> views;
+  for (const size_t i : SelectPictures(adjustment.pictures, camera_name, PhotoSplit::kTrain)) {
+    views.push_back(ViewOfCorners(adjustment.pictures[i], corners));
   }
-  const double freedom = 2.0 * static_cast<double>(statistics.corners) - unknowns;
-  statistics.noise_px = freedom > 0 ? std::sqrt(statistics.squared_px2 / freedom) : 0;
-  return statistics;
+  return ChooseLensTerms(adjustment.cameras.at(camera_name).camera, views, options.robust_scale_px);
 }
 
-void CheckFocalObservable(const std::string& camera_name, const Camera& camera,
-                          const std::vector<BundleView>& views, double noise_px, int lens_terms) {
-  // Exact corners would make anything look certain: half a hundredth of a pixel is assumed at
-  // least.
-  constexpr double kLeastNoisePx = 0.005;
-  const double noise = std::max(noise_px, kLeastNoisePx);
-  const int fitted = 4 + lens_terms;  // terms that were not fitted are known to be 0
-  const Eigen::MatrixXd covariance = CovarianceFromInformation(
-      ComputeInformation(camera, views).intrinsics.topLeftCorner(fitted, fitted), noise * noise);
-  for (const auto& [variance, focal] :
-       {std::pair(covariance(0, 0), camera.fx), std::pair(covariance(1, 1), camera.fy)}) {
-    if (std::sqrt(variance) <= kMaxFocalError * std::abs(focal)) continue;
-    throw Error("camera \"" + camera_name +
-                "\": its focal length cannot be told from these pictures (the platform is seen "
-                "from straight above only?); add pictures from slanted directions");
+PlatformChoice ChoosePlatform(const Adjustment& adjustment, const Board& board,
+                              const CalibOptions& options) {
+  AdjustmentBundle all = BundleOf(adjustment, board, PhotoSplit::kTrain, options);
+  all.bundle.platform.reset();
+  return ChoosePlatform(board, all.bundle, options.print_error_mm, all.noise_px,
+                        options.robust_scale_px);
+}
+
+void CheckObservable(const std::string& camera_name, const Camera& camera,
+                     const Eigen::Matrix<double, kIntrinsics, kIntrinsics>& covariance) {
+  const double size = std::max(camera.width, camera.height);
+  const std::pair<int, double> most[] = {{0, kMaxFocalError * camera.fx},
+                                         {1, kMaxFocalError * camera.fy},
+                                         {2, kMaxCenterError * size},
+                                         {3, kMaxCenterError * size}};
+  for (const auto& [index, limit] : most) {
+    if (std::sqrt(covariance(index, index)) <= limit) continue;
+    throw Error("camera \"" + camera_name + "\": its " +
+                (index < 2 ? "focal length" : "principal point") +
+                " cannot be told from these pictures (the platform is seen from straight above "
+                "only, or from one place?); add pictures from slanted directions all round, or "
+                "give the camera's intrinsics in capture.json");
   }
 }
 

@@ -1,61 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "calib/board.h"
 #include "calib/bundle_adjustment.h"
+#include "calib/bundle_covariance.h"
 #include "calib/calib.h"
 #include "calib/calib_picture.h"
+#include "calib/lens_choice.h"
+#include "calib/platform_choice.h"
 
 namespace lfm {
 
-/// A camera and the pictures that it took, adjusted together.
-struct CameraAdjustment {
+struct AdjustedCamera {
   Camera camera;
-  std::vector<CalibPicture> pictures;
-  int lens_terms = kAllLensTerms;  ///< that are adjusted; the others stay 0
+  bool known = false;                ///< intrinsics were given and are held
+  int lens_terms = kBrownLensTerms;  ///< that are adjusted; the others stay 0
 };
 
-/// Intrinsics and poses to start from, out of the detected tags of the training pictures of one
-/// camera: focal length from homographies, no lens distortion, planar poses, then a robust
-/// adjustment. Pictures whose pose cannot be found are set aside. `known` intrinsics are held.
-/// Throws Error when intrinsics are unknown and fewer than three pictures are in use.
-CameraAdjustment StartCamera(std::vector<CalibPicture> pictures, const std::string& camera_name,
-                             int width, int height, const std::optional<Camera>& known);
+/// All cameras of a capture, the pictures that they took, and the platform that they saw.
+struct Adjustment {
+  std::map<std::string, AdjustedCamera> cameras;
+  std::vector<CalibPicture> pictures;
+  PlatformModel platform;
+  PlatformShape shape;
+};
 
-/// Start poses of the pictures of one split, from their detected tags with the camera held.
-std::vector<CalibPicture> StartPoses(std::vector<CalibPicture> pictures,
-                                     const std::string& camera_name, PhotoSplit split,
-                                     const Camera& camera);
+/// The refined corners of the pictures in use of one split, as the adjustment takes them, weighed
+/// by their noise (`CalibPicture::noise_px`) where it is known; `pictures[view]` is a view's place
+/// among `Adjustment::pictures`.
+struct AdjustmentBundle {
+  JointBundle bundle;
+  std::vector<size_t> pictures;
+  double noise_px = 0;  ///< of a corner coordinate of weight 1
+};
+AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, PhotoSplit split,
+                          const CalibOptions& options);
 
-/// Adjusts poses (and, unless `known`, intrinsics with `adjustment.lens_terms` lens terms) to the
-/// refined corners of the training pictures of one camera: with the Cauchy loss, then without the
-/// corners beyond 4.5 robust standard deviations. Pictures that keep fewer than `min_corners` or
-/// fit worse than `max_reprojection_px` are set aside, and the rest is adjusted again. Throws Error
-/// when intrinsics are unknown and fewer than three pictures remain.
-CameraAdjustment AdjustCamera(CameraAdjustment adjustment, const std::string& camera_name,
-                              const Board& board, const std::optional<Camera>& known,
+/// Adjusts everything together to the refined corners of the training pictures, outliers weighing
+/// less (Cauchy loss). Throws Error when a camera with unknown intrinsics has fewer than three.
+Adjustment AdjustRobustly(Adjustment adjustment, const Board& board, const CalibOptions& options);
+
+/// Adjusts all poses, the intrinsics that are not known and the platform's unknowns together to the
+/// refined corners of the training pictures: with the Cauchy loss, then without the corners beyond
+/// 4.5 robust standard deviations, each picture weighed by its own noise. Pictures that keep fewer
+/// than `min_corners` or fit worse than `max_reprojection_px` are set aside. Throws Error when
+/// fewer than three pictures of a camera with unknown intrinsics remain.
+Adjustment AdjustCorners(Adjustment adjustment, const Board& board, const CalibOptions& options);
+
+/// The test pictures: each by its own corners, cameras and platform held.
+Adjustment AdjustTestPoses(Adjustment adjustment, const Board& board, const CalibOptions& options);
+
+/// What a lens needs, over the training pictures of one camera, the platform held.
+LensChoice ChooseLensTerms(const Adjustment& adjustment, const std::string& camera_name,
+                           const Board& board, const CalibOptions& options);
+/// What the platform needs, over the training pictures of all cameras.
+PlatformChoice ChoosePlatform(const Adjustment& adjustment, const Board& board,
                               const CalibOptions& options);
 
-/// The same for the test pictures of one camera: each by its own corners, the camera held.
-std::vector<CalibPicture> AdjustTestPoses(std::vector<CalibPicture> pictures,
-                                          const std::string& camera_name, const Camera& camera,
-                                          const Board& board, const CalibOptions& options);
+/// So many corners a picture needs: `min_corners`, or all that a small board has.
+int LeastCorners(const Board& board, const CalibOptions& options);
 
-/// How the corners of some pictures of one camera fit.
-struct CornerStatistics {
-  int64_t corners = 0;
-  double squared_px2 = 0;  ///< sum of squared errors, both coordinates
-  double noise_px = 0;     ///< standard deviation of a coordinate, unbiased by the fitted unknowns
-};
-CornerStatistics ComputeCornerStatistics(const Camera& camera, const std::vector<BundleView>& views,
-                                         int fitted_intrinsics);
-
-/// Throws Error when the pictures do not determine the focal length to 2 % at the given noise, with
-/// so many lens terms fitted beside it: all were taken from straight above, say.
-void CheckFocalObservable(const std::string& camera_name, const Camera& camera,
-                          const std::vector<BundleView>& views, double noise_px, int lens_terms);
+/// Throws Error when pictures do not determine a camera's focal length to 2 %, or its principal
+/// point to 2 % of the picture: all were taken from straight above, say, or from one place.
+void CheckObservable(const std::string& camera_name, const Camera& camera,
+                     const Eigen::Matrix<double, kIntrinsics, kIntrinsics>& covariance);
 
 }  // namespace lfm

@@ -188,27 +188,33 @@ void CheckGray(const Image& gray) {
   }
 }
 
-}  // namespace
+constexpr std::array<double, 10> kBlursPx = {0, 0.25, 0.4, 0.55, 0.7, 0.9, 1.2, 1.7, 2.6, 4.0};
 
-std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
-  std::vector<Eigen::Vector3d> corners;
-  for (const BoardTag& tag : board.tags) {
-    const std::array<Eigen::Vector3d, 4> of_tag = board.TagCorners(tag);
-    corners.insert(corners.end(), of_tag.begin(), of_tag.end());
-  }
-  const std::vector<Eigen::Vector3d> of_checker = board.CheckerCorners();
-  corners.insert(corners.end(), of_checker.begin(), of_checker.end());
-  return corners;
+// The vertex of the parabola over the blur's variance through the best of kBlursPx and its
+// neighbours: variances add, so errors grow with the square of what is wrong in them.
+double BlurOfLeastCost(const std::vector<double>& costs, size_t best) {
+  if (costs.size() < 3) return kBlursPx[best];
+  const size_t middle = std::clamp<size_t>(best, 1, costs.size() - 2);
+  const auto variance = [](size_t i) { return kBlursPx[i] * kBlursPx[i]; };
+  const double left = variance(middle - 1), here = variance(middle), right = variance(middle + 1);
+  const double slope_left = (costs[middle] - costs[middle - 1]) / (here - left);
+  const double slope_right = (costs[middle + 1] - costs[middle]) / (right - here);
+  const double curvature = (slope_right - slope_left) / (right - left);
+  if (!(curvature > 0)) return kBlursPx[best];
+  const double vertex = (left + here) / 2 - slope_left / (2 * curvature);
+  return std::sqrt(std::clamp(vertex, left, right));
 }
+
+}  // namespace
 
 Image LinearGray(const Image& picture) { return ToGray(ToLinearFloat(picture)); }
 
 std::vector<CornerObservation> FindCorners(const Image& linear_gray, const BoardPrint& print,
-                                           const std::vector<Eigen::Vector3d>& corners,
+                                           const std::vector<CornerPlace>& corners,
                                            const Camera& camera, const Pose& camera_from_world,
                                            const CornerSearch& search) {
   CheckGray(linear_gray);
-  const PixelFootprint footprint = MakePixelFootprint(search.blur_px);
+  const PixelFootprint footprint = MakePixelFootprint(search.blur_px, search.sampling);
   std::vector<CornerObservation> found;
   for (size_t i = 0; i < corners.size(); ++i) {
     const std::optional<LocalView> view = MakeLocalView(camera, camera_from_world, corners[i]);
@@ -225,18 +231,17 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
 }
 
 double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
-                    const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
+                    const std::vector<CornerPlace>& corners, const Camera& camera,
                     const Pose& camera_from_world, const std::vector<CornerObservation>& observed,
                     const CornerSearch& search) {
   CheckGray(linear_gray);
-  constexpr std::array<double, 10> kBlursPx = {0, 0.25, 0.4, 0.55, 0.7, 0.9, 1.2, 1.7, 2.6, 4.0};
   constexpr size_t kMaxCorners = 20;
   constexpr double kCostOfNoFit = 1;
-  double best_blur = 0, best_cost = std::numeric_limits<double>::infinity();
   const size_t count = std::min(kMaxCorners, observed.size());
-  int worse = 0;
+  std::vector<double> costs;
+  size_t best = 0;
   for (const double blur : kBlursPx) {
-    const PixelFootprint footprint = MakePixelFootprint(blur);
+    const PixelFootprint footprint = MakePixelFootprint(blur, search.sampling);
     double cost = 0;
     for (size_t i = 0; i < count; ++i) {
       const CornerObservation& observation = observed[i * observed.size() / count];
@@ -248,15 +253,11 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
       cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
                   : kCostOfNoFit;
     }
-    if (cost < best_cost) {
-      best_cost = cost;
-      best_blur = blur;
-      worse = 0;
-    } else if (++worse == 2) {
-      break;
-    }
+    costs.push_back(cost);
+    if (cost < costs[best]) best = costs.size() - 1;
+    if (costs.size() == best + 3) break;
   }
-  return best_blur;
+  return observed.empty() ? 0 : BlurOfLeastCost(costs, best);
 }
 
 Image BlurGray(const Image& linear_gray, double sigma_px) {

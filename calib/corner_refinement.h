@@ -6,26 +6,25 @@
 #include <vector>
 
 #include "calib/board.h"
+#include "calib/corner_template.h"
+#include "calib/platform_shape.h"
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/pose.h"
 
 namespace lfm {
 
-/// The corners of a board that pictures are searched for: four a tag in the order of
-/// `Board::tags` and `Board::TagCorners`, then `Board::CheckerCorners`.
-std::vector<Eigen::Vector3d> BoardCorners(const Board& board);
-
 /// A corner found in a picture.
 struct CornerObservation {
-  int corner = 0;  ///< index into BoardCorners
+  int corner = 0;  ///< index into PlaceCorners
   Eigen::Vector2d pixel;
   double sigma_px = 0;  ///< standard deviation a coordinate that its own residual suggests
 };
 
 struct CornerSearch {
-  int window_radius_px = 8;            ///< pixels compared on each side of the corner
-  double blur_px = 0;                  ///< standard deviation of the picture's blur
+  int window_radius_px = 8;  ///< pixels compared on each side of the corner
+  double blur_px = 0;        ///< standard deviation of the picture's blur
+  PixelSampling sampling = PixelSampling::kFine;
   double max_shift_px = 1.5;           ///< from the predicted place
   double max_relative_residual = 0.1;  ///< RMS of what the model leaves, over the contrast
 };
@@ -44,14 +43,14 @@ struct CornerSearch {
 ///
 /// `linear_gray`: one float channel, linear (else Error, kSystem). Non-finite pixels are not data.
 std::vector<CornerObservation> FindCorners(const Image& linear_gray, const BoardPrint& print,
-                                           const std::vector<Eigen::Vector3d>& corners,
+                                           const std::vector<CornerPlace>& corners,
                                            const Camera& camera, const Pose& camera_from_world,
                                            const CornerSearch& search);
 
-/// The blur (standard deviation, px; one of ten values between 0 and 4) under which at most 20
-/// corners, evenly chosen among `observed`, fit best; 0 when there are none.
+/// The blur (standard deviation, px, 0 to 4; interpolated between ten that are tried) under which
+/// at most 20 corners, evenly chosen among `observed`, fit best; 0 when there are none.
 double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
-                    const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
+                    const std::vector<CornerPlace>& corners, const Camera& camera,
                     const Pose& camera_from_world, const std::vector<CornerObservation>& observed,
                     const CornerSearch& search);
 

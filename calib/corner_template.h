@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/board.h"
+#include "calib/platform_shape.h"
 #include "core/camera.h"
 #include "core/pose.h"
 
@@ -20,21 +21,29 @@ struct PixelFootprint {
   double tail = 0;   ///< beyond this distance no light is left to speak of
 };
 
-/// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice of 34
-/// points pushed through the inverse of the blurred box's distribution.
-PixelFootprint MakePixelFootprint(double blur_px);
+/// How many places of a pixel are looked at: 34, or 144 where less than half a pixel of blur is
+/// left. Few points stand in line with a sharp edge; the steps in which they pass it look like
+/// blur, and double the error of a corner in a picture without noise.
+enum class PixelSampling { kCoarse, kFine };
 
-/// The board's plane as one camera sees it near one board point: the lens linearised there, the
-/// perspective exact. Good to about 0.005 px within ten pixels of a usual lens.
+/// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice pushed
+/// through the inverse of the blurred box's distribution.
+PixelFootprint MakePixelFootprint(double blur_px, PixelSampling sampling = PixelSampling::kFine);
+
+/// The board's plane as one camera sees it near one board point: the lens to second order (a linear
+/// one moves corners by some thousandths of a pixel, alike in all pictures), the perspective exact.
+///
+///   board = board_from_pixel (d - lens_curvature (dx^2, dx dy, dy^2)),  d the offset to `pixel`
 struct LocalView {
-  Eigen::Vector2d pixel;  ///< where the board point appears
-  Eigen::Matrix3d
-      board_from_pixel;  ///< homography from offsets to `pixel` to board coordinates, mm
+  Eigen::Vector2d pixel;                       ///< where the board point appears
+  Eigen::Matrix3d board_from_pixel;            ///< homography to board coordinates, mm
+  Eigen::Matrix<double, 2, 3> lens_curvature;  ///< 1/px
 };
 
-/// No answer when the point or its surroundings do not appear in the picture.
+/// Near a corner the plate is its tangent plane. No answer when the point or its surroundings do
+/// not appear in the picture.
 std::optional<LocalView> MakeLocalView(const Camera& camera, const Pose& camera_from_world,
-                                       const Eigen::Vector3d& board_point);
+                                       const CornerPlace& place);
 
 /// What one pixel sees of the print: mean reflectance (0 ink, 1 paper) over its footprint, at
 /// `offset` pixels from `view.pixel`; -1 when the blur's tail reaches beyond the plate, of whose

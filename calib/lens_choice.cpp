@@ -4,101 +4,53 @@
 #include <algorithm>
 #include <array>
 
-#include "calib/calib_picture.h"
-#include "calib/corner_refinement.h"
-#include "calib/picture_search.h"
+#include "calib/heldout_corners.h"
 #include "core/parallel.h"
 
 namespace lfm {
 namespace {
 
-constexpr std::array<int, 5> kModels = {0, 1, 2, 4, 5};
-constexpr size_t kFolds = 4;
+constexpr std::array<int, 6> kModels = {0, 1, 2, 4, 5, 8};
+// Terms that come by the half dozen lower the error a little by chance.
+constexpr double kGainOfATerm = 0.005;
 constexpr size_t kMostViews = 16, kMostCorners = 100;
-constexpr double kGain = 0.99;
-
-// The corners from `first` on in steps of `step`.
-BundleView Thin(const BundleView& view, size_t first, size_t step) {
-  BundleView thin{view.camera_from_world, {}, {}};
-  for (size_t i = first; i < view.points.size(); i += step) {
-    thin.points.push_back(view.points[i]);
-    thin.pixels.push_back(view.pixels[i]);
-  }
-  return thin;
-}
-
-std::vector<BundleView> Spread(const std::vector<BundleView>& all) {
-  std::vector<BundleView> some;
-  const size_t count = std::min(all.size(), kMostViews);
-  for (size_t i = 0; i < count; ++i) {
-    const BundleView& view = all[i * all.size() / count];
-    some.push_back(Thin(view, 0, (view.points.size() + kMostCorners - 1) / kMostCorners));
-  }
-  return some;
-}
-
-double HeldOutError(const Camera& camera, const BundleView& view, double robust_scale_px) {
-  BundleView judged = Thin(view, 1, 2);
-  judged.camera_from_world = AdjustPose(camera, Thin(view, 0, 2), robust_scale_px);
-  double sum = 0;
-  const double most = robust_scale_px * robust_scale_px;
-  for (const auto& error : ReprojectionErrors(camera, judged)) {
-    sum += error ? std::min(most, error->squaredNorm()) : most;
-  }
-  return sum;
-}
-
-double FoldError(const Camera& start, const std::vector<BundleView>& views, size_t fold, int terms,
-                 double robust_scale_px) {
-  std::vector<BundleView> fitted;
-  for (size_t i = 0; i < views.size(); ++i) {
-    if (i % kFolds != fold) fitted.push_back(views[i]);
-  }
-  const Camera camera =
-      AdjustBundle(KeepLensTerms(start, terms), fitted,
-                   {.lens_terms = terms, .robust_scale_px = robust_scale_px, .max_iterations = 30})
-          .camera;
-  double sum = 0;
-  for (size_t i = fold; i < views.size(); i += kFolds) {
-    sum += HeldOutError(camera, views[i], robust_scale_px);
-  }
-  return sum;
-}
 
 }  // namespace
 
-int ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& views,
-                    double robust_scale_px) {
-  if (views.size() < kFolds) return kAllLensTerms;
-  const std::vector<BundleView> some = Spread(views);
-  std::array<double, kModels.size() * kFolds> errors;
-  ParallelFor(0, static_cast<int64_t>(errors.size()), [&](int64_t i) {
-    const auto task = static_cast<size_t>(i);
-    errors[task] = FoldError(camera, some, task % kFolds, kModels[task / kFolds], robust_scale_px);
-  });
-  int best = 0;
-  double best_error = 0;
-  for (size_t model = 0; model < kModels.size(); ++model) {
-    double error = 0;
-    for (size_t fold = 0; fold < kFolds; ++fold) error += errors[model * kFolds + fold];
-    if (model == 0 || error < kGain * best_error) {
-      best_error = error;
-      best = kModels[model];
-    }
+std::string LensModelName(int terms) {
+  std::string name;
+  for (int i = 0; i < terms; ++i) {
+    name += std::string(i > 0 ? " " : "") + kIntrinsicNames[kFirstLensTerm + i];
   }
-  return best;
+  return terms > 0 ? name : "none";
 }
 
-int ChooseLensTerms(const CameraAdjustment& adjustment, const std::string& camera_name,
-                    const Board& board, const CalibOptions& options) {
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
-  std::vector<BundleView> views;
-  for (const CalibPicture& picture : adjustment.pictures) {
-    const bool used = picture.InUse() && picture.camera == camera_name &&
-                      picture.split == PhotoSplit::kTrain && !picture.corners.empty();
-    if (used) views.push_back(ViewOfCorners(picture, corners));
+bool IsLensModel(int terms) {
+  return std::find(kModels.begin(), kModels.end(), terms) != kModels.end();
+}
+
+LensChoice ChooseLensTerms(const Camera& camera, const std::vector<BundleView>& views,
+                           double robust_scale_px) {
+  LensChoice choice;
+  JointBundle all{{{camera}}, views};
+  for (BundleView& view : all.views) view.camera = 0;
+  const JointBundle some = SpreadBundle(all, kMostViews, kMostCorners);
+  if (some.views.empty()) choice.terms = 1;
+  if (some.views.size() < kHeldoutParts) return choice;
+  choice.trials.resize(kModels.size());
+  ParallelFor(0, static_cast<int64_t>(kModels.size()), [&](int64_t i) {
+    JointBundle bundle = some;
+    bundle.cameras[0] = {KeepLensTerms(camera, kModels[i]), FreeIntrinsics::kAll, kModels[i]};
+    choice.trials[i] = {kModels[i], HeldoutRms(bundle, robust_scale_px, FoldingLens::kNoModel)};
+  });
+  LensTrial best = choice.trials[0];
+  for (const LensTrial& trial : choice.trials) {
+    const double ratio = trial.heldout_rms_px / best.heldout_rms_px;
+    const double gain = std::min(kHeldoutGain, 1 - kGainOfATerm * (trial.terms - best.terms));
+    if (ratio * ratio < gain) best = trial;
   }
-  return ChooseLensTerms(adjustment.camera, views, options.robust_scale_px);
+  choice.terms = best.terms;
+  return choice;
 }
 
 }  // namespace lfm

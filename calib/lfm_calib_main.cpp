@@ -35,8 +35,9 @@ void DrawPictures(const lfm::Capture& capture, const lfm::CalibResult& result,
   // A photograph, a scan and a placement may share an id.
   for (const auto& [kind, images] : kinds) {
     for (const lfm::PosedImage& image : images) {
-      const lfm::Image drawing = lfm::DrawCalibration(load_image(image.file), board,
-                                                      result.cameras.at(image.camera), image);
+      const lfm::Image drawing =
+          lfm::DrawCalibration(load_image(image.file), board, result.cameras.at(image.camera),
+                               result.platform_shape, image);
       lfm::WriteImage(drawing, folder / (std::string(kind) + "-" + image.id + ".png"));
       progress.Advance();
     }

@@ -20,21 +20,38 @@ constexpr CornerSearch kRoughSearch = {
     .blur_px = kRoughBlurPx, .max_shift_px = 4.0, .max_relative_residual = 0.15};
 constexpr CornerSearch kFineSearch = {.max_shift_px = 1.5};
 constexpr int kMinRoughCorners = 4;
+// A coarse look is quick and loses some corners in a hundred: too many where there are few.
+constexpr size_t kManyCorners = 64;
 
-CalibPicture FindBoard(CalibPicture picture, const Capture& capture, const Board& board,
-                       const ImageLoader& load_image, TagDetector& detector) {
+// Left and right exchanged; 8 bits do for tags.
+Image MirrorImage(const Image& image) {
+  const Image picture = ToSrgb8(image);
+  Image mirrored = picture;
+  const int channels = picture.channels();
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      for (int c = 0; c < channels; ++c) {
+        mirrored.At<uint8_t>(x, y, c) = picture.At<uint8_t>(picture.width() - 1 - x, y, c);
+      }
+    }
+  }
+  return mirrored;
+}
+
+CalibPicture FindBoard(CalibPicture picture, const Board& board, const ImageLoader& load_image,
+                       TagDetector& detector) {
   try {
     const Image image = load_image(picture.file);
-    const CaptureCamera& camera = capture.cameras.at(picture.camera);
-    if (image.width() != camera.width || image.height() != camera.height) {
-      const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
-      picture.rejected = "is " + size(image.width(), image.height()) + ", but camera \"" +
-                         picture.camera + "\" is " + size(camera.width, camera.height);
-      return picture;
-    }
-    std::variant<BoardMatch, BoardMismatch> match = MatchBoard(board, detector.Detect(image));
+    picture.width = image.width(), picture.height = image.height();
+    const std::vector<TagDetection> tags = detector.Detect(image);
+    std::variant<BoardMatch, BoardMismatch> match = MatchBoard(board, tags);
     if (const BoardMismatch* mismatch = std::get_if<BoardMismatch>(&match)) {
       picture.rejected = mismatch->reason;
+      if (tags.empty() && !detector.Detect(MirrorImage(image)).empty()) {
+        picture.rejected =
+            "is mirrored: its tags can be read in its mirror image only; turn it back, or take it "
+            "without the mirror";
+      }
     } else {
       picture.match = std::get<BoardMatch>(std::move(match));
     }
@@ -45,31 +62,33 @@ CalibPicture FindBoard(CalibPicture picture, const Capture& capture, const Board
 }
 
 CalibPicture SearchAndPose(CalibPicture picture, const Image& gray, const BoardPrint& print,
-                           const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
+                           const std::vector<CornerPlace>& corners,
+                           const std::vector<Eigen::Vector3d>& positions, const Camera& camera,
                            const CornerSearch& search, double robust_scale_px) {
   picture.corners = FindCorners(gray, print, corners, camera, picture.camera_from_world, search);
   if (static_cast<int>(picture.corners.size()) >= kMinRoughCorners) {
     picture.camera_from_world =
-        AdjustPose(camera, ViewOfCorners(picture, corners), robust_scale_px);
+        AdjustPose(camera, ViewOfCorners(picture, positions), robust_scale_px);
   }
   return picture;
 }
 
 }  // namespace
 
-BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners) {
+BundleView ViewOfCorners(const CalibPicture& picture,
+                         const std::vector<Eigen::Vector3d>& positions) {
   BundleView view;
   view.camera_from_world = picture.camera_from_world;
   for (const CornerObservation& observation : picture.corners) {
-    view.points.push_back(corners[observation.corner]);
+    view.points.push_back(positions[observation.corner]);
     view.pixels.push_back(observation.pixel);
+    view.corners.push_back(observation.corner);
   }
   return view;
 }
 
-std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Capture& capture,
-                                     const Board& board, const ImageLoader& load_image,
-                                     Progress& progress) {
+std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
+                                     const ImageLoader& load_image, Progress& progress) {
   progress.Start("finding tags", static_cast<int64_t>(pictures.size()));
   ParallelChunks(static_cast<int64_t>(pictures.size()), kPicturesPerDetector,
                  [&](int64_t begin, int64_t end, int64_t) {
@@ -77,8 +96,7 @@ std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const C
                    for (int64_t i = begin; i < end; ++i) {
                      CalibPicture& picture = pictures[static_cast<size_t>(i)];
                      if (picture.InUse()) {
-                       picture =
-                           FindBoard(std::move(picture), capture, board, load_image, detector);
+                       picture = FindBoard(std::move(picture), board, load_image, detector);
                      }
                      progress.Advance();
                    }
@@ -89,7 +107,8 @@ std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const C
 std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
                                         const std::string& camera_name, PhotoSplit split,
                                         const Camera& camera, const Board& board,
-                                        const ImageLoader& load_image, StartQuality start,
+                                        const PlatformShape& shape, const ImageLoader& load_image,
+                                        StartQuality start, int least_corners,
                                         const CalibOptions& options, Progress& progress) {
   std::vector<size_t> selected;
   for (size_t i = 0; i < pictures.size(); ++i) {
@@ -98,25 +117,29 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
       selected.push_back(i);
     }
   }
-  const BoardPrint print(board);
-  const std::vector<Eigen::Vector3d> corners = BoardCorners(board);
+  const BoardPrint print(MoveTags(board, shape));
+  const std::vector<CornerPlace> corners = PlaceCornersOfMovedTags(board, shape);
+  const std::vector<Eigen::Vector3d> positions = CornerPositions(BoardCorners(board), shape);
   progress.Start("refining corners", static_cast<int64_t>(selected.size()));
   ParallelFor(0, static_cast<int64_t>(selected.size()), [&](int64_t i) {
     CalibPicture picture = pictures[selected[static_cast<size_t>(i)]];
     const Image gray = LinearGray(load_image(picture.file));
     if (start == StartQuality::kRough) {
       picture = SearchAndPose(std::move(picture), BlurGray(gray, kRoughBlurPx), print, corners,
-                              camera, kRoughSearch, options.robust_scale_px);
+                              positions, camera, kRoughSearch, options.robust_scale_px);
       picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
                                      picture.corners, kFineSearch);
     }
     CornerSearch fine = kFineSearch;
     fine.blur_px = picture.blur_px;
-    picture = SearchAndPose(std::move(picture), gray, print, corners, camera, fine,
+    if (start == StartQuality::kRough && corners.size() >= kManyCorners) {
+      fine.sampling = PixelSampling::kCoarse;
+    }
+    picture = SearchAndPose(std::move(picture), gray, print, corners, positions, camera, fine,
                             options.robust_scale_px);
-    if (static_cast<int>(picture.corners.size()) < options.min_corners) {
+    if (static_cast<int>(picture.corners.size()) < least_corners) {
       picture.rejected = "only " + std::to_string(picture.corners.size()) +
-                         " corners found, at least " + std::to_string(options.min_corners) +
+                         " corners found, at least " + std::to_string(least_corners) +
                          " are needed; blurred, or the platform is hidden?";
     }
     pictures[selected[static_cast<size_t>(i)]] = std::move(picture);

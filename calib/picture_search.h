@@ -14,12 +14,11 @@
 
 namespace lfm {
 
-/// Loads every picture in use and finds the board's tags in it; sets aside, with the reason, what
-/// cannot be read, has not its camera's size, or does not show the board. In parallel; pictures are
-/// loaded one at a time a thread and not kept.
-std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Capture& capture,
-                                     const Board& board, const ImageLoader& load_image,
-                                     Progress& progress);
+/// Loads every picture in use, notes its size and finds the board's tags in it; sets aside, with
+/// the reason, what cannot be read, does not show the board, or shows it mirrored. In parallel;
+/// pictures are loaded one at a time a thread and not kept.
+std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
+                                     const ImageLoader& load_image, Progress& progress);
 
 /// How well the poses are known before a search for corners.
 enum class StartQuality {
@@ -29,14 +28,16 @@ enum class StartQuality {
 
 /// Searches every picture in use of `camera_name` for the board's corners from its present pose,
 /// and moves the pose to fit them with the camera held. Sets aside pictures with fewer than
-/// `options.min_corners`.
+/// `least_corners`. The print is looked for where `shape` puts it.
 std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
                                         const std::string& camera_name, PhotoSplit split,
                                         const Camera& camera, const Board& board,
-                                        const ImageLoader& load_image, StartQuality start,
+                                        const PlatformShape& shape, const ImageLoader& load_image,
+                                        StartQuality start, int least_corners,
                                         const CalibOptions& options, Progress& progress);
 
-/// The refined corners of a picture as the adjustment takes them.
-BundleView ViewOfCorners(const CalibPicture& picture, const std::vector<Eigen::Vector3d>& corners);
+/// The refined corners of a picture as the adjustment takes them; `positions` of all corners.
+BundleView ViewOfCorners(const CalibPicture& picture,
+                         const std::vector<Eigen::Vector3d>& positions);
 
 }  // namespace lfm

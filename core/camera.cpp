@@ -12,29 +12,45 @@
 namespace lfm {
 namespace {
 
-double RadialFactor(const Camera& c, double r2) {
-  return 1 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
+// The radial factor s and 2 ds/d(r2).
+struct RadialScale {
+  double factor, slope;
+};
+
+double Cubic(double a, double b, double c, double r2) { return 1 + r2 * (a + r2 * (b + r2 * c)); }
+double CubicSlope(double a, double b, double c, double r2) { return a + r2 * (2 * b + r2 * 3 * c); }
+
+RadialScale RadialScaleAt(const Camera& c, double r2) {
+  const double above = Cubic(c.k1, c.k2, c.k3, r2);
+  const double above_slope = CubicSlope(c.k1, c.k2, c.k3, r2);
+  if (!c.IsRational()) return {above, 2 * above_slope};
+  const double below = Cubic(c.k4, c.k5, c.k6, r2);
+  const double below_slope = CubicSlope(c.k4, c.k5, c.k6, r2);
+  return {above / below, 2 * (above_slope * below - above * below_slope) / (below * below)};
 }
 
-// d/dr of r * (1 + k1 r^2 + k2 r^4 + k3 r^6).
+// d/dr of r s(r2).
 double RadialSlope(const Camera& c, double r2) {
-  return 1 + r2 * (3 * c.k1 + r2 * (5 * c.k2 + r2 * 7 * c.k3));
+  const RadialScale scale = RadialScaleAt(c, r2);
+  return scale.factor + r2 * scale.slope;
 }
 
-// The polynomial may fall between the axis and r although it rises at r itself.
+// The radius may fall between the axis and r although it rises at r itself; so may what is below
+// the line pass through zero.
 bool RadialRisesUpTo(const Camera& c, double r2) {
-  if (c.k1 >= 0 && c.k2 >= 0 && c.k3 >= 0) return true;
+  if (!c.IsRational() && c.k1 >= 0 && c.k2 >= 0 && c.k3 >= 0) return true;
   constexpr int kProbes = 16;
   for (int i = 1; i <= kProbes; ++i) {
-    if (!(RadialSlope(c, r2 * i / kProbes) > 0)) return false;
+    const double probe = r2 * i / kProbes;
+    if (!(RadialSlope(c, probe) > 0)) return false;
+    if (c.IsRational() && !(Cubic(c.k4, c.k5, c.k6, probe) > 0)) return false;
   }
   return true;
 }
 
 Eigen::Matrix2d DistortJacobian(const Camera& c, const Eigen::Vector2d& n) {
   const double x = n.x(), y = n.y(), r2 = n.squaredNorm();
-  const double radial = RadialFactor(c, r2);
-  const double slope = 2 * (c.k1 + r2 * (2 * c.k2 + r2 * 3 * c.k3));  // d radial / d r2, times 2
+  const auto [radial, slope] = RadialScaleAt(c, r2);
   Eigen::Matrix2d j;
   j(0, 0) = radial + x * x * slope + 2 * c.p1 * y + 6 * c.p2 * x;
   j(0, 1) = x * y * slope + 2 * c.p1 * x + 2 * c.p2 * y;
@@ -51,7 +67,8 @@ bool Camera::Contains(const Eigen::Vector2d& pixel) const {
 }
 
 Eigen::Vector2d Distort(const Camera& c, const Eigen::Vector2d& n) {
-  return DistortNormalized(LensTerms<double>{c.k1, c.k2, c.k3, c.p1, c.p2}, n.x(), n.y());
+  return DistortNormalized(LensTerms<double>{c.k1, c.k2, c.k3, c.p1, c.p2, c.k4, c.k5, c.k6}, n.x(),
+                           n.y());
 }
 
 std::optional<Eigen::Vector2d> Project(const Camera& camera, const Eigen::Vector3d& point) {
@@ -126,7 +143,7 @@ void ValidateCamera(const Camera& c, const char* where) {
     fail("size must be between 1 and 65536 pixels, not " + std::to_string(c.width) + " x " +
          std::to_string(c.height));
   }
-  for (double value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.k3, c.p1, c.p2}) {
+  for (double value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.k3, c.p1, c.p2, c.k4, c.k5, c.k6}) {
     if (!std::isfinite(value)) fail("parameters must be finite numbers");
   }
   if (!(c.fx > 0) || !(c.fy > 0)) fail("focal lengths must be positive");

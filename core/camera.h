@@ -6,11 +6,13 @@
 
 namespace lfm {
 
-/// A pinhole camera (or projector) with Brown's lens distortion.
+/// A pinhole camera (or projector) with Brown's lens distortion, radially rational where k4 to k6
+/// are not 0 (OpenCV's rational model).
 ///
 /// With (x, y) = (X/Z, Y/Z) and r2 = x^2 + y^2:
-///   x' = x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2)
-///   y' = y (1 + k1 r2 + k2 r2^2 + k3 r2^3) + p1 (r2 + 2 y^2) + 2 p2 x y
+///   s = (1 + k1 r2 + k2 r2^2 + k3 r2^3) / (1 + k4 r2 + k5 r2^2 + k6 r2^3)
+///   x' = x s + 2 p1 x y + p2 (r2 + 2 x^2)
+///   y' = y s + p1 (r2 + 2 y^2) + 2 p2 x y
 ///   u = fx x' + cx,  v = fy y' + cy
 /// Axes are OpenCV's (x right, y down, z forward). The centre of the top-left pixel is (0, 0).
 struct Camera {
@@ -20,14 +22,18 @@ struct Camera {
   double cx = 0, cy = 0;          ///< principal point, pixels
   double k1 = 0, k2 = 0, k3 = 0;  ///< radial distortion
   double p1 = 0, p2 = 0;          ///< tangential distortion
+  double k4 = 0, k5 = 0, k6 = 0;  ///< radial distortion, below the line
 
-  bool HasDistortion() const { return k1 != 0 || k2 != 0 || k3 != 0 || p1 != 0 || p2 != 0; }
+  bool HasDistortion() const {
+    return k1 != 0 || k2 != 0 || k3 != 0 || p1 != 0 || p2 != 0 || IsRational();
+  }
+  bool IsRational() const { return k4 != 0 || k5 != 0 || k6 != 0; }
   /// True when `pixel` lies on the sensor: [-0.5, width - 0.5) x [-0.5, height - 0.5).
   bool Contains(const Eigen::Vector2d& pixel) const;
 };
 
 /// Pixel of a point given in the camera frame (mm). No answer when the point is not in front of
-/// the camera (Z <= 0), is not finite, or lies so far off axis that the radial polynomial is no
+/// the camera (Z <= 0), is not finite, or lies so far off axis that the radius in the picture is no
 /// longer increasing there (the lens model folds back; such a point is not in the picture).
 std::optional<Eigen::Vector2d> Project(const Camera& camera,
                                        const Eigen::Vector3d& point_in_camera);

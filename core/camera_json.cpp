@@ -15,6 +15,7 @@ constexpr CameraTerm kLens[] = {{"k1", &Camera::k1},
                                 {"k3", &Camera::k3},
                                 {"p1", &Camera::p1},
                                 {"p2", &Camera::p2}};
+constexpr CameraTerm kRational[] = {{"k4", &Camera::k4}, {"k5", &Camera::k5}, {"k6", &Camera::k6}};
 
 }  // namespace
 
@@ -22,6 +23,9 @@ nlohmann::json IntrinsicsToJson(const Camera& camera) {
   nlohmann::json json = nlohmann::json::object();
   for (const CameraTerm& term : kPinhole) json[term.key] = camera.*term.value;
   for (const CameraTerm& term : kLens) json[term.key] = camera.*term.value;
+  if (camera.IsRational()) {
+    for (const CameraTerm& term : kRational) json[term.key] = camera.*term.value;
+  }
   return json;
 }
 
@@ -41,6 +45,7 @@ Camera IntrinsicsFromJson(JsonReader& reader, int width, int height, LensKeys ke
     camera.*term.value =
         keys == LensKeys::kRequired ? reader.Number(term.key) : reader.NumberOr(term.key, 0);
   }
+  for (const CameraTerm& term : kRational) camera.*term.value = reader.NumberOr(term.key, 0);
   if (camera.fx <= 0) reader.Fail("fx", "must be positive");
   if (camera.fy <= 0) reader.Fail("fy", "must be positive");
   reader.Finish();

@@ -8,11 +8,11 @@
 
 namespace lfm {
 
-/// Whether a file must state all five lens terms, or may leave out those that are 0.
+/// Whether a file must state k1, k2, k3, p1 and p2, or may leave out those that are 0.
 enum class LensKeys { kRequired, kOptional };
 
-/// {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}; with CameraToJson "width" and "height"
-/// too. Numbers round-trip.
+/// {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}, and "k4", "k5", "k6" unless all are 0;
+/// with CameraToJson "width" and "height" too. Numbers round-trip.
 nlohmann::json IntrinsicsToJson(const Camera& camera);
 nlohmann::json CameraToJson(const Camera& camera);
 

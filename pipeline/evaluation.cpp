@@ -50,6 +50,17 @@ json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const G
                   {"pose_median_deg", poses.median_deg},
                   {"pose_max_mm", poses.max_mm},
                   {"pose_max_deg", poses.max_deg}};
+  const AlignedPoseErrors aligned = MeasureAlignedPoses(calib, truth);
+  figures["pose_aligned_median_mm"] = aligned.median_mm;
+  figures["pose_scale_percent"] = aligned.scale_percent;
+  figures["pose_chi2"] = MeasurePoseHonesty(calib, truth);
+  const auto add_intrinsics = [&figures](const std::string& of, const IntrinsicsErrors& errors) {
+    if (errors.cameras == 0) return;
+    figures[of + "focal_error_percent"] = errors.focal_percent;
+    figures[of + "principal_point_error_px"] = errors.principal_point_px;
+  };
+  add_intrinsics("", MeasurePhotoIntrinsics(calib, truth));
+  add_intrinsics("scanner_", MeasureScannerIntrinsics(calib, truth));
   const GeometryJudge judge(truth);
   if (fs::exists(workspace.Stage("scan") / "points.ply")) {
     const PointErrors points =

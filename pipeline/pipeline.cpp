@@ -77,6 +77,34 @@ json RejectedToJson(const std::vector<std::pair<std::string, std::string>>& reje
   return list;
 }
 
+// Models in the order in which they were tried; those that were no lens have no error.
+json TrialToJson(const std::string& model, double heldout_rms_px, bool chosen) {
+  json trial = {{"model", model}, {"chosen", chosen}};
+  if (std::isfinite(heldout_rms_px)) trial["heldout_rms_px"] = heldout_rms_px;
+  return trial;
+}
+
+json LensTrialsToJson(const CalibResult& result) {
+  json cameras = json::object();
+  for (const auto& [name, trials] : result.lens_trials) {
+    cameras[name] = json::array();
+    for (const LensTrial& trial : trials) {
+      cameras[name].push_back(TrialToJson(LensModelName(trial.terms), trial.heldout_rms_px,
+                                          trial.terms == result.lens_terms.at(name)));
+    }
+  }
+  return cameras;
+}
+
+json PlatformTrialsToJson(const CalibResult& result) {
+  json trials = json::array();
+  for (const PlatformTrial& trial : result.platform_trials) {
+    trials.push_back(
+        TrialToJson(trial.model, trial.heldout_rms_px, trial.model == result.platform_model));
+  }
+  return trials;
+}
+
 json CalibFigures(const Capture& capture, const CalibResult& result) {
   std::vector<std::pair<std::string, std::string>> rejected;
   for (const RejectedImage& r : result.rejected) rejected.emplace_back(r.id, r.reason);
@@ -95,6 +123,9 @@ json CalibFigures(const Capture& capture, const CalibResult& result) {
           {"reprojection_rms_px", result.reprojection_rms_px},
           {"corner_noise_px", result.corner_noise_px},
           {"lens_terms", result.lens_terms},
+          {"lens_trials", LensTrialsToJson(result)},
+          {"platform", result.platform_model},
+          {"platform_trials", PlatformTrialsToJson(result)},
           {"rejected", RejectedToJson(rejected)}};
 }
 

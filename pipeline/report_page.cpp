@@ -91,6 +91,38 @@ std::string ReasonTable(const json& figures, const char* key, const char* title)
   return html + "</table>";
 }
 
+// Models that were tried, each with the error on corners kept out of its fit; the chosen one in
+// bold.
+std::string TrialTable(const json& trials, const std::string& title) {
+  if (!trials.is_array() || trials.empty()) return "";
+  std::string html =
+      "<p>" + Escape(title) +
+      "</p><table><tr><th>model</th><th>error on corners kept out of the fit, px</th>"
+      "</tr>";
+  for (const json& trial : trials) {
+    const bool chosen = trial.value("chosen", false);
+    const std::string error = trial.contains("heldout_rms_px")
+                                  ? Format(trial["heldout_rms_px"])
+                                  : "no lens: folds over inside the picture";
+    html += std::string("<tr><td>") + (chosen ? "<b>" : "") + Escape(trial.value("model", "")) +
+            (chosen ? "</b>" : "") + "</td><td class=n>" + Escape(error) + "</td></tr>";
+  }
+  return html + "</table>";
+}
+
+std::string ModelTables(const json& figures) {
+  std::string html;
+  if (figures.contains("lens_trials")) {
+    for (const auto& [camera, trials] : figures["lens_trials"].items()) {
+      html += TrialTable(trials, "What the lens of camera " + camera + " required:");
+    }
+  }
+  if (figures.contains("platform_trials")) {
+    html += TrialTable(figures["platform_trials"], "What the platform required:");
+  }
+  return html;
+}
+
 std::string PhotoTable(const json& figures) {
   if (!figures.contains("photos") || figures["photos"].empty()) return "";
   std::string html =
@@ -182,7 +214,8 @@ void WriteReportPage(const std::string& capture_name, const json& report,
     html += std::string("<h2 id=") + stage.name + ">" + stage.title + "</h2><p class=lead>" +
             stage.lead + "</p>" + FigureTable(figures) +
             ReasonTable(figures, "rejected", "Set aside") +
-            ReasonTable(figures, "missing", "Not scored") + Charts(stage.name, report);
+            ReasonTable(figures, "missing", "Not scored") + ModelTables(figures) +
+            Charts(stage.name, report);
     for (const ReportPicture& picture : pictures) {
       if (picture.stage != stage.name) continue;
       html += "<figure><img loading=lazy src=\"" + Escape(picture.file) + "\" alt=\"" +

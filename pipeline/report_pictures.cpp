@@ -67,7 +67,8 @@ void DrawCalib(const Capture& capture, const CalibResult& calib, Gallery& galler
                 "Photograph " + photo.id +
                     ": where the calibration puts the print, the corners found, and their errors "
                     "enlarged.",
-                DrawCalibration(load(photo.file), board, calib.cameras.at(photo.camera), photo));
+                DrawCalibration(load(photo.file), board, calib.cameras.at(photo.camera),
+                                calib.platform_shape, photo));
   }
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <nanoflann.hpp>
-#include <numbers>
 
 #include "calib/board.h"
 #include "core/error.h"
@@ -21,13 +20,6 @@ constexpr int64_t kSurfaceSamples = 200000;
 constexpr uint64_t kSampleSeed = 7;
 constexpr double kCompletenessReach_mm = 0.5;
 constexpr double kOutlier_mm = 1.0;
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The two eyes of one scan in the world.
 struct ScanEyes {
@@ -96,24 +88,6 @@ GroundTruth LoadGroundTruth(const std::filesystem::path& capture_folder) {
     truth.plate_half_mm = {board.width_mm / 2, board.height_mm / 2};
   }
   return truth;
-}
-
-PoseErrors MeasurePoses(const CalibResult& calib, const GroundTruth& truth) {
-  std::map<std::string, Pose> poses;
-  for (const Photo& photo : truth.capture.photos) {
-    if (photo.camera_from_world) poses[photo.id] = *photo.camera_from_world;
-  }
-  std::vector<double> mm, deg;
-  for (const PosedImage& photo : calib.photos) {
-    const auto true_pose = poses.find(photo.id);
-    if (true_pose == poses.end()) continue;
-    mm.push_back((photo.camera_from_world.Center() - true_pose->second.Center()).norm());
-    deg.push_back(RotationAngle(photo.camera_from_world.rotation, true_pose->second.rotation) *
-                  180 / std::numbers::pi);
-  }
-  if (mm.empty()) throw Error("ground truth: has no pose of any calibrated photograph");
-  return {Median(mm), Median(deg), *std::max_element(mm.begin(), mm.end()),
-          *std::max_element(deg.begin(), deg.end()), static_cast<int>(mm.size())};
 }
 
 struct GeometryJudge::State {

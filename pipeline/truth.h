@@ -29,6 +29,28 @@ struct PoseErrors {
 };
 PoseErrors MeasurePoses(const CalibResult& calib, const GroundTruth& truth);
 
+/// What is left of the centres' errors after the best similarity: a print of another size than its
+/// file says makes everything larger, and no picture shows it.
+struct AlignedPoseErrors {
+  double median_mm = 0;
+  double scale_percent = 0;  ///< how much larger the calibration is than the truth
+};
+/// Of all posed photographs; with fewer than three, nothing is taken away: MeasurePoses' median.
+AlignedPoseErrors MeasureAlignedPoses(const CalibResult& calib, const GroundTruth& truth);
+
+/// Mean normalised squared error of the posed photographs, a degree of freedom: 1 when their
+/// covariances are honest. 0 when none has a covariance.
+double MeasurePoseHonesty(const CalibResult& calib, const GroundTruth& truth);
+
+/// The largest errors of any camera that took a posed photograph (or scan).
+struct IntrinsicsErrors {
+  double focal_percent = 0;       ///< of fx or fy, of the true one
+  double principal_point_px = 0;  ///< distance
+  int cameras = 0;                ///< that the truth knows; 0: nothing was measured
+};
+IntrinsicsErrors MeasurePhotoIntrinsics(const CalibResult& calib, const GroundTruth& truth);
+IntrinsicsErrors MeasureScannerIntrinsics(const CalibResult& calib, const GroundTruth& truth);
+
 /// Scan points against the true object and the true platform plate (z = 0 within the plate).
 struct PointErrors {
   double median_mm = 0, p95_mm = 0, over_1_mm_share = 0;

@@ -100,7 +100,8 @@ Camera MakePhotoCamera(int width, int height) {
 Camera ScaleDistortion(const Camera& camera, double factor) {
   if (factor == 1) return camera;
   Camera scaled = camera;
-  for (double Camera::*term : {&Camera::k1, &Camera::k2, &Camera::k3, &Camera::p1, &Camera::p2}) {
+  for (double Camera::*term : {&Camera::k1, &Camera::k2, &Camera::k3, &Camera::p1, &Camera::p2,
+                               &Camera::k4, &Camera::k5, &Camera::k6}) {
     scaled.*term *= factor;
   }
   try {

@@ -70,12 +70,12 @@ std::string RelativeTo(const std::filesystem::path& folder, const std::filesyste
 }
 
 std::string ColmapCamera(int id, const Camera& c) {
-  const bool full = c.k3 != 0;
+  const bool full = c.k3 != 0 || c.IsRational();
   std::string line = std::to_string(id) + (full ? " FULL_OPENCV " : " OPENCV ") +
                      std::to_string(c.width) + " " + std::to_string(c.height);
   std::vector<double> terms = {
       c.fx, c.fy, c.cx + kCornerFromCenter, c.cy + kCornerFromCenter, c.k1, c.k2, c.p1, c.p2};
-  if (full) terms.insert(terms.end(), {c.k3, 0.0, 0.0, 0.0});
+  if (full) terms.insert(terms.end(), {c.k3, c.k4, c.k5, c.k6});
   for (double term : terms) line += " " + Exact(term);
   return line + "\n";
 }
@@ -147,6 +147,9 @@ void WriteNerfTransforms(const Capture& capture, const Capture& truth,
                          {"test_filenames", nlohmann::json::array()}};
   for (const PosedPhoto& p : JoinPhotos(capture, truth)) {
     const Camera& c = *p.camera;
+    if (c.IsRational()) {
+      throw Error(file.string() + ": transforms.json has no k4, k5, k6 of the rational lens model");
+    }
     const std::string path = RelativeTo(folder, capture.folder / p.photo->file);
     nlohmann::json frame = {{"file_path", path},
                             {"w", c.width},

@@ -34,7 +34,7 @@ struct RigFreedom {
   bool projector = true;    ///< its pinhole and pose
   int projector_terms = 0;  ///< of k1, k2, p1, p2
   std::optional<int> camera_terms =
-      std::nullopt;  ///< of k1, k2, p1, p2, k3, with fx fy cx cy; none: camera held
+      std::nullopt;  ///< of k1, k2, p1, p2, k3, k4, k5, k6, with fx fy cx cy; none: camera held
 };
 
 /// Least squares over `state`, starting from it (Ceres; Levenberg-Marquardt on the Schur complement

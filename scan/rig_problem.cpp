@@ -23,10 +23,10 @@ double ValueOf(const ceres::Jet<T, N>& x) {
   return x.a;
 }
 
-/// Pixel of normalised coordinates under nine intrinsics.
+/// Pixel of normalised coordinates under the intrinsics of RigProblem::camera.
 template <typename T, typename U>
 Eigen::Matrix<U, 2, 1> PixelOf(const T* c, const U& x, const U& y) {
-  const LensTerms<U> lens{U(c[4]), U(c[5]), U(c[8]), U(c[6]), U(c[7])};
+  const LensTerms<U> lens{U(c[4]), U(c[5]), U(c[8]), U(c[6]), U(c[7]), U(c[9]), U(c[10]), U(c[11])};
   const Eigen::Matrix<U, 2, 1> d = DistortNormalized(lens, x, y);
   return {U(c[0]) * d[0] + U(c[2]), U(c[1]) * d[1] + U(c[3])};
 }
@@ -37,8 +37,8 @@ template <typename T>
 Eigen::Matrix<T, 2, 1> RayOf(const T* intrinsics, const Eigen::Vector2d& pixel,
                              const Eigen::Vector2d& start) {
   using Jet = ceres::Jet<double, 2>;
-  double plain[9];
-  for (int i = 0; i < 9; ++i) plain[i] = ValueOf(intrinsics[i]);
+  double plain[12];
+  for (int i = 0; i < 12; ++i) plain[i] = ValueOf(intrinsics[i]);
   Eigen::Vector2d ray = start;
   Eigen::Matrix2d inverse = Eigen::Matrix2d::Identity();
   constexpr int kSteps = 4;
@@ -57,7 +57,7 @@ Eigen::Matrix<T, 2, 1> RayOf(const T* intrinsics, const Eigen::Vector2d& pixel,
 struct LitResidual {
   Eigen::Vector2d projector_px, weight;  ///< weight 1 / sigma; y is 0 where the row is unknown
   Eigen::Matrix3d projector_start, platform_start;
-  double k3;
+  Camera lens_rest;  ///< the projector's k3 to k6, held
 
   template <typename T>
   bool Evaluate(const Eigen::Matrix<T, 2, 1>& ray, const T* pinhole, const T* lens, const T* turn,
@@ -70,8 +70,10 @@ struct LitResidual {
     const Vector lit = TurnBy<T>(turn, Vector(projector_start.template cast<T>() * point)) +
                        Vector(translation[0], translation[1], translation[2]);
     if (!(lit[2] > T(kMinDepthMm))) return false;
-    const Eigen::Matrix<T, 2, 1> d = DistortNormalized(
-        LensTerms<T>{lens[0], lens[1], T(k3), lens[2], lens[3]}, lit[0] / lit[2], lit[1] / lit[2]);
+    const Eigen::Matrix<T, 2, 1> d =
+        DistortNormalized(LensTerms<T>{lens[0], lens[1], T(lens_rest.k3), lens[2], lens[3],
+                                       T(lens_rest.k4), T(lens_rest.k5), T(lens_rest.k6)},
+                          lit[0] / lit[2], lit[1] / lit[2]);
     residual[0] = weight.x() * (pinhole[0] * d[0] + pinhole[2] - projector_px.x());
     residual[1] = weight.y() * (pinhole[1] * d[1] + pinhole[3] - projector_px.y());
     return true;
@@ -148,7 +150,7 @@ void AddPlatform(const RigState& state, const PlatePlacement& placement, size_t 
                  double corner_sigma_px, double robust_scale, RigProblem& a) {
   for (const SeenCorner& seen : placement.corners) {
     a.problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<CornerResidual, 2, 9, 6>(
+        new ceres::AutoDiffCostFunction<CornerResidual, 2, 12, 6>(
             new CornerResidual{seen, state.platforms[i].rotation, 1 / corner_sigma_px}),
         new ceres::HuberLoss(robust_scale), a.camera.data(), a.platforms[i].data());
   }
@@ -171,7 +173,7 @@ void AddCorrespondence(const RigState& state, const PlateCorrespondence& seen, b
   Eigen::Vector2d weight = variance.cwiseSqrt().cwiseInverse();
   if (!(seen.sigma_px.y() > 0)) weight.y() = 0;
   const LitResidual lit{seen.projector_px, weight, state.projector_from_camera.rotation,
-                        state.platforms[i].rotation, state.projector.k3};
+                        state.platforms[i].rotation, state.projector};
   auto* loss = new ceres::HuberLoss(options.robust_scale);
   if (!camera_free) {
     a.problem.AddResidualBlock(
@@ -181,10 +183,10 @@ void AddCorrespondence(const RigState& state, const PlateCorrespondence& seen, b
         a.platforms[i].data());
     return;
   }
-  const std::array<double, 9>& c = a.camera;
+  const std::array<double, 12>& c = a.camera;
   const Eigen::Vector2d pixel = PixelOf(c.data(), seen.ray.x(), seen.ray.y());
   a.problem.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<FreeCameraResidual, 2, 4, 4, 3, 3, 6, 9>(
+      new ceres::AutoDiffCostFunction<FreeCameraResidual, 2, 4, 4, 3, 3, 6, 12>(
           new FreeCameraResidual{lit, pixel, seen.ray}),
       loss, a.pinhole.data(), a.lens.data(), a.turn.data(), a.translation.data(),
       a.platforms[i].data(), a.camera.data());
@@ -223,7 +225,7 @@ void HoldUnknowns(const RigFreedom& freedom, RigProblem& a) {
   if (!freedom.camera_terms) {
     hold(a.camera.data());
   } else {
-    hold_some(a.camera.data(), 9, Range(4 + *freedom.camera_terms, 9));
+    hold_some(a.camera.data(), 12, Range(4 + *freedom.camera_terms, 12));
   }
 }
 
@@ -251,7 +253,7 @@ std::unique_ptr<RigProblem> BuildRigProblem(const RigState& state, const RigData
                                             double corner_sigma_px) {
   auto a = std::make_unique<RigProblem>();
   const Camera &c = state.camera, &p = state.projector;
-  a->camera = {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
+  a->camera = {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3, c.k4, c.k5, c.k6};
   a->pinhole = {p.fx, p.fy, p.cx, p.cy};
   a->lens = {p.k1, p.k2, p.p1, p.p2};
   const Eigen::Vector3d& t = state.projector_from_camera.translation;
@@ -278,7 +280,7 @@ RigState StateOf(const RigProblem& a, const RigState& start) {
   Camera& c = state.camera;
   c.fx = a.camera[0], c.fy = a.camera[1], c.cx = a.camera[2], c.cy = a.camera[3];
   c.k1 = a.camera[4], c.k2 = a.camera[5], c.p1 = a.camera[6], c.p2 = a.camera[7];
-  c.k3 = a.camera[8];
+  c.k3 = a.camera[8], c.k4 = a.camera[9], c.k5 = a.camera[10], c.k6 = a.camera[11];
   Camera& p = state.projector;
   p.fx = a.pinhole[0], p.fy = a.pinhole[1], p.cx = a.pinhole[2], p.cy = a.pinhole[3];
   p.k1 = a.lens[0], p.k2 = a.lens[1], p.p1 = a.lens[2], p.p2 = a.lens[3];

@@ -16,7 +16,7 @@ namespace lfm {
 /// A Ceres problem over the unknowns of a rig, and the parameter blocks that it works on. Blocks
 /// that nothing depends on are not in the problem.
 struct RigProblem {
-  std::array<double, 9> camera;         ///< fx fy cx cy k1 k2 p1 p2 k3
+  std::array<double, 12> camera;        ///< fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6
   std::array<double, 4> pinhole, lens;  ///< fx fy cx cy; k1 k2 p1 p2
   std::array<double, 3> turn = {0, 0, 0}, translation;
   std::vector<PoseParameters> platforms;

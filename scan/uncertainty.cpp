@@ -23,7 +23,8 @@ double ColumnSigmaPx(const RigCalibration& rig, const RigUncertainty& uncertaint
   const Jet x = turned.x() + (wy * turned.z() - wz * turned.y()) + Jet(t.x(), 11);
   const Jet y = turned.y() + (wz * turned.x() - wx * turned.z()) + Jet(t.y(), 12);
   const Jet z = turned.z() + (wx * turned.y() - wy * turned.x()) + Jet(t.z(), 13);
-  const LensTerms<Jet> lens{Jet(c.k1, 4), Jet(c.k2, 5), Jet(c.k3), Jet(c.p1, 6), Jet(c.p2, 7)};
+  const LensTerms<Jet> lens{Jet(c.k1, 4), Jet(c.k2, 5), Jet(c.k3), Jet(c.p1, 6),
+                            Jet(c.p2, 7), Jet(c.k4),    Jet(c.k5), Jet(c.k6)};
   const Jet column = Jet(c.fx, 0) * DistortNormalized<Jet>(lens, x / z, y / z)[0] + Jet(c.cx, 2);
   const double variance = column.v.dot(uncertainty.projector * column.v);
   return std::isfinite(variance) ? std::sqrt(std::max(0.0, variance)) : 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -44,6 +45,13 @@ CalibResult SomeResult() {
   result.cameras["photo"] = SmallCamera();
   result.cameras["photo"].k3 = 1.0 / 3;
   result.lens_terms["photo"] = 4;
+  result.lens_trials["photo"] = {{0, 0.5}, {4, 0.25 / 3}, {8, INFINITY}};
+  result.intrinsics_covariance["photo"] = Eigen::MatrixXd::Identity(8, 8) / 3;
+  result.intrinsics_covariance["photo"](0, 7) = 0.125;
+  result.platform_model = "tags moved, bent";
+  result.platform_trials = {{"as printed", 0.5}, {"tags moved, bent", 0.1 / 3}};
+  result.platform_shape.bend_per_mm = {1e-4 / 3, 0, -2e-5};
+  result.platform_shape.shifts_mm = {{0.1, -0.2}, {1.0 / 3, 0}};
   result.reprojection_rms_px = 0.07;
   result.corner_noise_px = 0.05;
   for (int i = 0; i < 2; ++i) {
@@ -85,6 +93,17 @@ TEST_F(CalibFiles, RoundTrip) {
   EXPECT_EQ(loaded.reprojection_rms_px, result.reprojection_rms_px);
   EXPECT_EQ(loaded.corner_noise_px, result.corner_noise_px);
   EXPECT_EQ(loaded.lens_terms, result.lens_terms);
+  ASSERT_EQ(loaded.lens_trials.at("photo").size(), 3u);
+  EXPECT_EQ(loaded.lens_trials.at("photo")[1].terms, 4);
+  EXPECT_EQ(loaded.lens_trials.at("photo")[1].heldout_rms_px, 0.25 / 3);
+  EXPECT_TRUE(std::isinf(loaded.lens_trials.at("photo")[2].heldout_rms_px));
+  EXPECT_EQ(loaded.intrinsics_covariance.at("photo"), result.intrinsics_covariance.at("photo"));
+  EXPECT_EQ(loaded.platform_model, result.platform_model);
+  ASSERT_EQ(loaded.platform_trials.size(), 2u);
+  EXPECT_EQ(loaded.platform_trials[1].model, "tags moved, bent");
+  EXPECT_EQ(loaded.platform_trials[1].heldout_rms_px, 0.1 / 3);
+  EXPECT_EQ(loaded.platform_shape.bend_per_mm, result.platform_shape.bend_per_mm);
+  EXPECT_EQ(loaded.platform_shape.shifts_mm, result.platform_shape.shifts_mm);
   for (const auto& [found, expected] :
        {std::pair(&loaded.photos, &result.photos), std::pair(&loaded.scans, &result.scans),
         std::pair(&loaded.placements, &result.placements)}) {
@@ -110,6 +129,7 @@ TEST_F(CalibFiles, RoundTrip) {
 TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
   SaveCalib(SomeResult(), folder_);
   const std::string cameras = Read("cameras.json"), poses = Read("poses.json");
+  const std::string platform = Read("platform.json");
   const auto refuses = [&](const std::string& file, const std::string& good,
                            const std::string& text) {
     Write(file, text);
@@ -119,6 +139,7 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
   for (size_t i = 0; i < 40; ++i) {
     refuses("cameras.json", cameras, cameras.substr(0, cameras.rfind('}') * i / 40));
     refuses("poses.json", poses, poses.substr(0, poses.rfind('}') * i / 40));
+    refuses("platform.json", platform, platform.substr(0, platform.rfind('}') * i / 40));
   }
   const auto changed = [](std::string text, const std::string& from, const std::string& to) {
     const size_t at = text.find(from);
@@ -129,7 +150,11 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
        {std::pair("\"width\": 480", "\"width\": 0"), std::pair("\"width\": 480", "\"width\": 1e30"),
         std::pair("522.0", "-522.0"), std::pair("522.0", "null"), std::pair("522.0", "1e999"),
         std::pair("\"k3\"", "\"k4\""), std::pair("\"photo\": 4", "\"photo\": 6"),
-        std::pair("\"photo\": 4", "\"other\": 4"),
+        std::pair("\"photo\": 4", "\"other\": 4"), std::pair("\"photo\": 4", "\"photo\": 5"),
+        std::pair("\"k1 k2 p1 p2\"", "\"k1\""), std::pair("\"fx\",", "\"fy\","),
+        std::pair("0.125", "1e999"), std::pair("0.125,", ""),
+        std::pair("\"heldout_rms_px\": 0", "\"heldout_rms_px\": -0"),
+        std::pair("\"lens_trials\"", "\"lens_trial\""),
         std::pair("\"corner_noise_px\": 0", "\"corner_noise_px\": -1")}) {
     refuses("cameras.json", cameras, changed(cameras, from, to));
   }
@@ -142,9 +167,17 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
         std::pair("\"corners\": 90", "\"corners\": 90, \"colour\": 1")}) {
     refuses("poses.json", poses, changed(poses, from, to));
   }
+  for (const auto& [from, to] :
+       {std::pair("\"tags moved, bent\",", "\"flat\","), std::pair("-0.2", "\"x\""),
+        std::pair("0.1,", ""), std::pair("\"bend_per_mm\"", "\"bend\""),
+        std::pair("-2e-05", "1e999")}) {
+    refuses("platform.json", platform, changed(platform, from, to));
+  }
   EXPECT_NO_THROW(LoadCalib(folder_));
-  std::filesystem::remove(folder_ / "poses.json");
-  EXPECT_THROW(LoadCalib(folder_), Error);
+  for (const char* file : {"platform.json", "poses.json"}) {
+    std::filesystem::remove(folder_ / file);
+    EXPECT_THROW(LoadCalib(folder_), Error) << file;
+  }
 }
 
 TEST(CalibFromCapture, TakesWhatIsGivenAndRefusesGaps) {

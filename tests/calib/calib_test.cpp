@@ -188,12 +188,12 @@ TEST(Calibrate, OptionsOutOfRangeAreRefused) {
 }
 
 TEST(Calibrate, HeadOnPicturesDoNotTellTheFocalLength) {
-  RenderedCapture rendered = RenderCapture(DefaultBoard(), 3, 0);
-  const BoardPrint print(DefaultBoard());
-  for (int i = 0; i < 3; ++i) {
-    const Pose pose = LookAt({2.0 * i, 1, 400}, {2.0 * i, 1, 0}, {0.1 * i, 1, 0});
-    rendered.pictures[i] = RenderBoard(print, rendered.camera, pose);
+  std::vector<Pose> poses;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d over(2.0 * i, 3.0 * (i % 3), 0);
+    poses.push_back(LookAt(over + Eigen::Vector3d(0, 0, 380 + 10 * i), over, {0.1 * i, 1, 0}));
   }
+  const RenderedCapture rendered = RenderPoses(DefaultBoard(), poses, 4);
   const std::string message = MessageOf([&] { CalibrateRendered(rendered); });
   EXPECT_NE(message.find("focal length"), std::string::npos) << message;
 }
@@ -251,7 +251,7 @@ TEST(DrawCalibration, MarksFoundCornersAndRefusesAnotherSize) {
   image.camera = "photo";
   image.camera_from_world = rendered.poses[0];
   const Image drawing =
-      DrawCalibration(rendered.pictures[0], DefaultBoard(), rendered.camera, image);
+      DrawCalibration(rendered.pictures[0], DefaultBoard(), rendered.camera, {}, image);
   ASSERT_EQ(drawing.width(), 480);
   ASSERT_EQ(drawing.channels(), 3);
   int green = 0;
@@ -262,7 +262,7 @@ TEST(DrawCalibration, MarksFoundCornersAndRefusesAnotherSize) {
   }
   EXPECT_GT(green, 60);
   Image small(100, 100, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  EXPECT_THROW(DrawCalibration(small, DefaultBoard(), rendered.camera, image), Error);
+  EXPECT_THROW(DrawCalibration(small, DefaultBoard(), rendered.camera, {}, image), Error);
 }
 
 }  // namespace

@@ -30,12 +30,11 @@ struct Accuracy {
 };
 
 Accuracy Measure(const std::vector<CornerObservation>& found,
-                 const std::vector<Eigen::Vector3d>& corners, const Camera& camera,
-                 const Pose& pose) {
+                 const std::vector<CornerPlace>& corners, const Camera& camera, const Pose& pose) {
   Accuracy accuracy;
   accuracy.corners = found.size();
   for (const CornerObservation& observation : found) {
-    const auto projected = Project(camera, pose * corners[observation.corner]);
+    const auto projected = Project(camera, pose * corners[observation.corner].position);
     const Eigen::Vector2d error = observation.pixel - *projected;
     accuracy.rms_px += error.squaredNorm();
     accuracy.bias_px += error / static_cast<double>(found.size());
@@ -49,7 +48,7 @@ class CornerRefinement : public testing::Test {
  protected:
   const Board board_ = DefaultBoard();
   const BoardPrint print_{board_};
-  const std::vector<Eigen::Vector3d> corners_ = BoardCorners(board_);
+  const std::vector<CornerPlace> corners_ = PlaceCorners(board_, {});
   const Camera camera_ = SmallCamera();
   const Pose pose_ = PosesAround(4)[1];
 
@@ -90,7 +89,7 @@ TEST_F(CornerRefinement, DrawnBoardGivesEveryCornerWithinATwentieth) {
   const auto found = FindCorners(gray, print_, corners_, camera, disturbed, {});
   ASSERT_EQ(found.size(), corners_.size());
   for (const CornerObservation& observation : found) {
-    const Eigen::Vector3d& corner = corners_[observation.corner];
+    const Eigen::Vector3d& corner = corners_[observation.corner].position;
     const Eigen::Vector2d expected((corner.x() + 110) * kPixelsPerMm - 0.5,
                                    (110 - corner.y()) * kPixelsPerMm - 0.5);
     EXPECT_LT((observation.pixel - expected).norm(), 0.05) << corner.transpose();
@@ -112,6 +111,34 @@ TEST_F(CornerRefinement, BlurIsEstimatedAndDoesNotMoveCorners) {
   EXPECT_LT(accuracy.bias_px.norm(), 2 * kRefinedBias_abs_px);
 }
 
+// A template that is blurred too much or too little pulls the corners of every tag inwards or
+// pushes them outwards, in all pictures alike: focal length and distance then take it up.
+TEST_F(CornerRefinement, TagsAreNeitherShrunkNorGrown) {
+  constexpr double kPull_abs_px = 0.003;
+  const Camera camera = ScaleCamera(camera_, 1.5);
+  const Image sharp =
+      LinearGray(RenderBoard(print_, camera, pose_, {.subsamples = 8, .full_well = 0}));
+  for (const double blur_px : {0.0, 0.33}) {
+    const Image gray = blur_px > 0 ? BlurGray(sharp, blur_px) : sharp;
+    const auto rough = FindCorners(gray, print_, corners_, camera, pose_, {});
+    const double estimated = EstimateBlur(gray, print_, corners_, camera, pose_, rough, {});
+    double outward = 0;
+    int tag_corners = 0;
+    for (const CornerObservation& found :
+         FindCorners(gray, print_, corners_, camera, pose_, {.blur_px = estimated})) {
+      const size_t first = static_cast<size_t>(found.corner) / 4 * 4;
+      if (first >= 4 * board_.tags.size()) continue;
+      const Eigen::Vector3d middle = (corners_[first].position + corners_[first + 2].position) / 2;
+      const Eigen::Vector2d truth = *Project(camera, pose_ * corners_[found.corner].position);
+      const Eigen::Vector2d out = truth - *Project(camera, pose_ * middle);
+      outward += (found.pixel - truth).dot(out.normalized());
+      ++tag_corners;
+    }
+    ASSERT_GE(tag_corners, 60);
+    EXPECT_LT(std::abs(outward / tag_corners), kPull_abs_px) << blur_px << ": " << estimated;
+  }
+}
+
 TEST_F(CornerRefinement, ComesFromFourPixelsAwayWhenBlurred) {
   const Image gray = LinearGray(RenderBoard(print_, camera_, pose_));
   Pose far = pose_;
@@ -122,6 +149,29 @@ TEST_F(CornerRefinement, ComesFromFourPixelsAwayWhenBlurred) {
   const Accuracy accuracy = Measure(found, corners_, camera_, pose_);
   EXPECT_GE(accuracy.corners, 100u);
   EXPECT_LT(accuracy.rms_px, 0.2);
+}
+
+// A plate bent by 4 mm, and tags that lie elsewhere: found where they are, not where the file says.
+TEST_F(CornerRefinement, FollowsTheShapeOfThePlatform) {
+  PlatformShape shape;
+  shape.bend_per_mm = {-3e-4, 0, 1e-4};
+  Board moved = board_;
+  shape.shifts_mm.assign(corners_.size(), {0, 0});
+  for (size_t t = 0; t < moved.tags.size(); ++t) {
+    const Eigen::Vector2d shift(0.4 * std::sin(2.0 * t), 0.4 * std::cos(3.0 * t));
+    moved.tags[t].center_mm += shift;
+    for (int c = 0; c < 4; ++c) shape.shifts_mm[4 * t + c] = shift;
+  }
+  const Image gray = LinearGray(
+      RenderBoard(BoardPrint(moved), camera_, pose_, {.bend_per_mm = shape.bend_per_mm}));
+  const std::vector<CornerPlace> places = PlaceCornersOfMovedTags(board_, shape);
+  const auto found =
+      FindCorners(gray, BoardPrint(MoveTags(board_, shape)), places, camera_, pose_, {});
+  const Accuracy accuracy = Measure(found, places, camera_, pose_);
+  EXPECT_GE(accuracy.corners, 120u);
+  EXPECT_LT(accuracy.rms_px, kRefinedRms_abs_px);
+  EXPECT_LT(accuracy.bias_px.norm(), kRefinedBias_abs_px);
+  EXPECT_LT(FindCorners(gray, print_, corners_, camera_, pose_, {}).size(), found.size() - 20);
 }
 
 TEST_F(CornerRefinement, HiddenCornersAreLeftOut) {

@@ -15,7 +15,8 @@ namespace {
 constexpr double kInk = 0.05, kPaper = 0.8, kBackground = 0.25, kObject = 0.1;
 
 // Where the rays through the pixel corners meet the plate; interpolated inside a pixel.
-std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pose& pose) {
+std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pose& pose,
+                                                 const Eigen::Vector3d& bend) {
   const Pose world_from_camera = pose.Inverse();
   std::vector<Eigen::Vector2d> plate(static_cast<size_t>(camera.width + 1) * (camera.height + 1));
   ParallelFor(0, camera.height + 1, [&](int64_t y) {
@@ -25,7 +26,15 @@ std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pos
       const Eigen::Vector3d& eye = world_from_camera.translation;
       // Rays that miss the plane look far beyond the plate.
       const double t = ray.z() < -1e-6 ? -eye.z() / ray.z() : 1e9;
-      plate[static_cast<size_t>(y) * (camera.width + 1) + x] = (eye + t * ray).head<2>();
+      Eigen::Vector2d p = (eye + t * ray).head<2>();
+      // Onto the bent plate: its slope is small, each round gains a digit or more.
+      for (int round = 0; round < 12 && t < 1e9 && !bend.isZero(0); ++round) {
+        const double height =
+            bend.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
+        p = (eye + (height - eye.z()) / ray.z() * ray).head<2>();
+        if (p.norm() > 500) break;
+      }
+      plate[static_cast<size_t>(y) * (camera.width + 1) + x] = p;
     }
   });
   return plate;
@@ -35,7 +44,8 @@ std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pos
 
 Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
                   const RenderSettings& settings) {
-  const std::vector<Eigen::Vector2d> plate = PlateAtPixelCorners(camera, camera_from_world);
+  const std::vector<Eigen::Vector2d> plate =
+      PlateAtPixelCorners(camera, camera_from_world, settings.bend_per_mm);
   Image picture(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   const int n = settings.subsamples;
   ParallelFor(0, camera.height, [&](int64_t row) {
@@ -112,19 +122,19 @@ ImageLoader RenderedCapture::Loader() const {
   };
 }
 
-RenderedCapture RenderCapture(const Board& board, int train, int test) {
+RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses, int train,
+                            const RenderSettings& all_settings, const Camera& camera) {
   RenderedCapture rendered;
-  rendered.camera = SmallCamera();
+  rendered.camera = camera;
+  rendered.poses = poses;
   rendered.capture.name = "rendered";
   rendered.capture.board = "board.json";
-  rendered.capture.cameras["photo"] = {rendered.camera.width, rendered.camera.height, {}};
+  rendered.capture.cameras["photo"] = {camera.width, camera.height, {}};
   const BoardPrint print(board);
-  rendered.poses = PosesAround(train + test);
-  for (int i = 0; i < train + test; ++i) {
-    RenderSettings settings;
-    settings.seed = static_cast<uint32_t>(i + 1);
-    settings.hidden_share = 0.25;
-    rendered.pictures.push_back(RenderBoard(print, rendered.camera, rendered.poses[i], settings));
+  for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
+    RenderSettings settings = all_settings;
+    settings.seed += static_cast<uint32_t>(i);
+    rendered.pictures.push_back(RenderBoard(print, camera, poses[i], settings));
     Photo photo;
     photo.id = "photo_" + std::to_string(i);
     photo.file = photo.id + ".png";
@@ -133,6 +143,23 @@ RenderedCapture RenderCapture(const Board& board, int train, int test) {
     rendered.capture.photos.push_back(photo);
   }
   return rendered;
+}
+
+RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t seed,
+                              const RenderSettings& all_settings, const Camera& camera) {
+  std::vector<Pose> poses = PosesAround(train + test);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  for (Pose& pose : poses) {
+    if (seed == 0) continue;
+    const double turn = 0.3 * normal(random), x = 8 * normal(random), y = 8 * normal(random);
+    const Pose moved{Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+                     {x, y, 0}};
+    pose = pose * moved;
+  }
+  RenderSettings settings = all_settings;
+  settings.seed = 1000 * seed + 1;
+  return RenderPoses(board, poses, train, settings, camera);
 }
 
 }  // namespace lfm

@@ -22,6 +22,7 @@ struct RenderSettings {
   uint32_t seed = 1;
   double light_gradient = 0.3;  ///< relative change of light across the picture
   double hidden_share = 0;      ///< an ellipse of this share of width and height hides the middle
+  Eigen::Vector3d bend_per_mm = {0, 0, 0};  ///< of the plate, as PlatformShape has it
 };
 
 /// An 8-bit sRGB picture of the printed plate before a gray background: ink 0.05, paper 0.8.
@@ -43,6 +44,14 @@ struct RenderedCapture {
   Camera camera;
   ImageLoader Loader() const;
 };
-RenderedCapture RenderCapture(const Board& board, int train, int test);
+/// Pictures from `poses`; the first `train` of them are for training. `settings.seed` is the first
+/// picture's, the others' follow.
+RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses, int train,
+                            const RenderSettings& settings = {.hidden_share = 0.25},
+                            const Camera& camera = SmallCamera());
+/// `seed` 0: the poses of PosesAround; others: from places drawn at random round them.
+RenderedCapture RenderCapture(const Board& board, int train, int test, uint32_t seed = 0,
+                              const RenderSettings& settings = {.hidden_share = 0.25},
+                              const Camera& camera = SmallCamera());
 
 }  // namespace lfm

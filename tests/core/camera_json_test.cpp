@@ -33,6 +33,16 @@ TEST(CameraJson, RoundTripsEveryNumber) {
   }
 }
 
+TEST(CameraJson, RationalTermsAreWrittenWhereThereAreAny) {
+  EXPECT_FALSE(CameraToJson(SomeCamera()).contains("k4"));
+  Camera camera = SomeCamera();
+  camera.k5 = 0.3;
+  const Camera read = Parse(CameraToJson(camera), LensKeys::kRequired);
+  EXPECT_EQ(read.k4, 0);
+  EXPECT_EQ(read.k5, 0.3);
+  EXPECT_EQ(read.k6, 0);
+}
+
 TEST(CameraJson, LensTermsMayBeLeftOutWhereAFileSaysSo) {
   nlohmann::json json = CameraToJson(SomeCamera());
   json.erase("k3");
@@ -52,7 +62,8 @@ TEST(CameraJson, RefusesWhatIsNoCamera) {
   refuses("fx", 0);
   refuses("fy", -1);
   refuses("cx", nullptr);
-  refuses("k4", 1);
+  refuses("k4", nullptr);
+  refuses("k7", 1);
 }
 
 }  // namespace

@@ -74,11 +74,35 @@ TEST(Camera, DistortionIsBrownsFormula) {
   }
 }
 
+Camera RationalLens() {
+  Camera camera = Lens(0.6, 0.1, -0.02, 1e-3, -5e-4);
+  camera.k4 = 0.85, camera.k5 = 0.2, camera.k6 = 0.03;
+  return camera;
+}
+
+TEST(Camera, RationalFactorDividesTwoPolynomials) {
+  const Camera c = RationalLens();
+  const double x = 0.3, y = -0.2, r2 = x * x + y * y;
+  const double s = (1 + c.k1 * r2 + c.k2 * r2 * r2 + c.k3 * r2 * r2 * r2) /
+                   (1 + c.k4 * r2 + c.k5 * r2 * r2 + c.k6 * r2 * r2 * r2);
+  const Eigen::Vector2d expected(x * s + 2 * c.p1 * x * y + c.p2 * (r2 + 2 * x * x),
+                                 y * s + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y);
+  EXPECT_LT((Distort(c, {x, y}) - expected).norm(), 1e-15);
+  Camera folds = Pinhole();
+  folds.k4 = -4;  // a pole at half the focal length
+  EXPECT_TRUE(Project(folds, {0.3, 0, 1}));
+  EXPECT_FALSE(Project(folds, {0.51, 0, 1}));
+  EXPECT_FALSE(Project(folds, {3, 0, 1}));
+}
+
 TEST(Camera, ProjectInvertsUnproject) {
   constexpr double kRoundTrip_px_abs = 1e-9;
-  const Camera lenses[] = {Pinhole(), Lens(-0.25, 0.1, 0, 1e-3, -5e-4),
-                           Lens(0.2, -0.05, 0.02, -2e-3, 1e-3), Lens(-0.35, 0.2, -0.05, 0, 0),
-                           Lens(0, 0, 0, 4e-3, -4e-3)};
+  const Camera lenses[] = {Pinhole(),
+                           Lens(-0.25, 0.1, 0, 1e-3, -5e-4),
+                           Lens(0.2, -0.05, 0.02, -2e-3, 1e-3),
+                           Lens(-0.35, 0.2, -0.05, 0, 0),
+                           Lens(0, 0, 0, 4e-3, -4e-3),
+                           RationalLens()};
   for (const Camera& lens : lenses) {
     for (double y = -0.5; y <= 719.5; y += 36) {
       for (double x = -0.5; x <= 959.5; x += 48) {

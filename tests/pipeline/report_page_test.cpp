@@ -53,6 +53,21 @@ TEST(ReportPage, ListsPhotographsThatWereNotScored) {
   }
 }
 
+TEST(ReportPage, ShowsWhatLensAndPlatformRequired) {
+  nlohmann::json report = SmallReport();
+  report["calib"]["lens_trials"] = {
+      {"photo<1>",
+       {{{"model", "k1"}, {"chosen", true}, {"heldout_rms_px", 0.0312}},
+        {{"model", "k1 k2"}, {"chosen", false}}}}};
+  report["calib"]["platform_trials"] = {
+      {{"model", "as printed"}, {"chosen", true}, {"heldout_rms_px", 0.0456}}};
+  const std::string page = WritePage(report, {});
+  for (const char* part : {"photo&lt;1&gt;", "<b>k1</b>", "0.0312", "<td>k1 k2</td>", "folds over",
+                           "<b>as printed</b>", "0.0456"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+}
+
 TEST(ReportPage, FetchesNothing) {
   const std::string page = WritePage(SmallReport(), {});
   EXPECT_EQ(page.find("http://"), std::string::npos);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/error.h"
@@ -66,6 +67,66 @@ TEST(MeasurePoses, RefusesPhotographsThatTheTruthDoesNotKnow) {
   calib.photos.resize(1);
   calib.photos[0].id = "unknown";
   EXPECT_THROW(MeasurePoses(calib, SphereTruth()), Error);
+}
+
+// Photographs all round, each at its true pose moved by `change`.
+CalibResult Calibrated(GroundTruth& truth, const std::function<Pose(const Pose&)>& change) {
+  CalibResult calib;
+  truth.capture.photos.clear();
+  for (int i = 0; i < 8; ++i) {
+    Photo photo;
+    photo.id = "p" + std::to_string(i);
+    photo.camera = "photo";
+    photo.camera_from_world = LookAt(
+        {300 * std::cos(0.7 * i), 300 * std::sin(0.7 * i), 150 + 20.0 * i}, {0, 0, 60}, {0, 0, 1});
+    truth.capture.photos.push_back(photo);
+    PosedImage posed;
+    posed.id = photo.id, posed.camera = "found";
+    posed.camera_from_world = change(*photo.camera_from_world);
+    calib.photos.push_back(posed);
+  }
+  return calib;
+}
+
+TEST(MeasureAlignedPoses, TakesAwayASimilarityAndNamesItsScale) {
+  GroundTruth truth = SphereTruth();
+  const CalibResult calib = Calibrated(truth, [](const Pose& pose) {
+    Pose larger = pose;
+    larger.translation *= 1.01;
+    return larger;
+  });
+  EXPECT_GT(MeasurePoses(calib, truth).median_mm, 2);
+  const AlignedPoseErrors errors = MeasureAlignedPoses(calib, truth);
+  EXPECT_NEAR(errors.median_mm, 0, 1e-9);
+  EXPECT_NEAR(errors.scale_percent, 1, 1e-9);
+}
+
+TEST(MeasurePoseHonesty, IsTheNormalisedSquaredError) {
+  GroundTruth truth = SphereTruth();
+  CalibResult calib = Calibrated(truth, [](const Pose& pose) {
+    Pose moved = pose;
+    moved.translation.x() += 0.3;
+    return moved;
+  });
+  EXPECT_EQ(MeasurePoseHonesty(calib, truth), 0);  // no covariance at all
+  for (PosedImage& photo : calib.photos) {
+    photo.covariance.setIdentity();
+    photo.covariance *= 0.01;
+  }
+  EXPECT_NEAR(MeasurePoseHonesty(calib, truth), 9.0 / 6, 1e-6);
+}
+
+TEST(MeasurePhotoIntrinsics, ComparesTheCamerasOfTheSamePictures) {
+  GroundTruth truth = SphereTruth();
+  CalibResult calib = Calibrated(truth, [](const Pose& pose) { return pose; });
+  EXPECT_EQ(MeasurePhotoIntrinsics(calib, truth).cameras, 0);
+  truth.capture.cameras["photo"].intrinsics = Camera{640, 480, 1000, 1000, 320, 240};
+  calib.cameras["found"] = Camera{640, 480, 1001, 998, 320.3, 239.6};
+  const IntrinsicsErrors errors = MeasurePhotoIntrinsics(calib, truth);
+  EXPECT_EQ(errors.cameras, 1);
+  EXPECT_NEAR(errors.focal_percent, 0.2, 1e-9);
+  EXPECT_NEAR(errors.principal_point_px, 0.5, 1e-9);
+  EXPECT_EQ(MeasureScannerIntrinsics(calib, truth).cameras, 0);
 }
 
 TEST(GeometryJudge, MeasuresAConcentricSphere) {
