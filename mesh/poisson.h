@@ -13,14 +13,14 @@ struct PoissonSettings {
   double point_weight = 4;  ///< of interpolating the points against following their normals
 };
 
-/// Screened Poisson reconstruction (Kazhdan and Hoppe 2013), as in PCL: the surface whose
-/// indicator's gradient fits the normals, triangles counter-clockwise seen from outside. Normals
-/// count by their length. Runs on one thread: the sums of PCL's parallel loops depend on the number
-/// of threads. Where cells of different size meet PCL sometimes leaves a cell open: repair the
-/// result (RepairToClosedManifold). The process's standard output is shut while PCL works, since it
-/// prints about those. Two calls at the same time run one after the other (PCL keeps its octree's
-/// memory in a static pool). Throws Error when there
-/// are no points, or no surface comes out.
+/// Screened Poisson reconstruction (Kazhdan and Hoppe 2013): the surface whose indicator's gradient
+/// fits the normals. Normals count by their length. PCL's octree solves for the indicator, on one
+/// thread: the sums of its parallel loops depend on the number of threads. The surface is taken out
+/// by MarchCubes on the regular grid of the finest depth: PCL's own extraction leaves holes where
+/// cells of different size meet. It is closed unless it leaves the octree's cube. Memory: the
+/// octree, and layers of 4^depth values. Two calls at the same time run one after the other (PCL
+/// keeps its octree's memory in a static pool). Throws Error when there are no points, or no
+/// surface comes out.
 TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings);
 
 }  // namespace lfm
