@@ -5,6 +5,7 @@
 #include <pcl/point_types.h>
 // The octree's own headers do not stand alone: this one includes them in order.
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <mutex>
 #include <pcl/surface/impl/poisson.hpp>
@@ -22,6 +23,7 @@ namespace {
 constexpr int kSolverDivide = 8, kFewestIterations = 8;
 constexpr double kSolverAccuracy = 1e-3;
 constexpr int kNodesABlock = 1 << 12;
+constexpr double kMostWall = 0.1;
 using Tree = pcl::poisson::Octree<2>;
 
 pcl::PointCloud<pcl::PointNormal>::Ptr MakeCloud(const PointCloud& points,
@@ -84,17 +86,43 @@ Solution Solve(const pcl::PointCloud<pcl::PointNormal>::Ptr& cloud,
   return solution;
 }
 
+// Takes the corners on the cube's walls for outside.
+void CloseAtWalls(int k, int cells, std::vector<float>& values) {
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x) {
+      const bool wall = std::min({x, y, k}) == 0 || std::max({x, y, k}) == cells;
+      float& value = values[static_cast<size_t>(y) * (cells + 1) + x];
+      if (wall) value = -std::max(std::abs(value), 1e-3F);
+    }
+  }
+}
+
+// Share of the surface's area that lies in the outermost cells, of what is above `from_z` cells.
+double WallShare(const TriangleMesh& mesh, int cells, double from_z) {
+  double wall = 0, all = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3i& c = mesh.triangles[t];
+    const Eigen::Vector3d middle =
+        (mesh.vertices[c[0]] + mesh.vertices[c[1]] + mesh.vertices[c[2]]) / 3;
+    if (middle.z() < from_z) continue;
+    const double area = TriangleArea(mesh, static_cast<int>(t));
+    all += area;
+    if (middle.minCoeff() < 1 || middle.maxCoeff() > cells - 1) wall += area;
+  }
+  return all > 0 ? wall / all : 0;
+}
+
 }  // namespace
 
 TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings) {
   if (points.points.empty()) throw Error("reconstruction: there are no points");
   // PCL computes in float32: far from the origin that would cost digits.
-  Eigen::Vector3d low = points.points.front(), high = low;
+  Eigen::Vector3d lowest = points.points.front(), highest = lowest;
   for (const Eigen::Vector3d& p : points.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+    lowest = lowest.cwiseMin(p);
+    highest = highest.cwiseMax(p);
   }
-  const Eigen::Vector3d center = 0.5 * (low + high);
+  const Eigen::Vector3d center = 0.5 * (lowest + highest);
   Solution solution;
   try {
     solution = Solve(MakeCloud(points, center), settings);
@@ -104,13 +132,20 @@ TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings&
   const float iso_value = static_cast<float>(solution.iso_value);
   const int cells = 1 << settings.depth;
   SplineLayers layers(std::move(solution.field));
+  const double cell_mm = solution.side_mm / cells;
+  const Eigen::Vector3d low = center + solution.low;
   TriangleMesh mesh = MarchCubes(cells, [&](int k) {
     std::vector<float> values = layers.Corners(k);
     for (float& value : values) value -= iso_value;
+    CloseAtWalls(k, cells, values);
     return values;
   });
+  const double wall_share = WallShare(mesh, cells, (settings.closed_below_mm - low.z()) / cell_mm);
+  if (wall_share > kMostWall) {
+    throw Error("reconstruction: the surface does not close about the points");
+  }
   for (Eigen::Vector3d& v : mesh.vertices) {
-    v = center + solution.low + solution.side_mm / cells * v;
+    v = low + cell_mm * v;
   }
   if (mesh.triangles.empty()) {
     throw Error("reconstruction: no surface came out; do the normals point towards the scanner?");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,7 @@ constexpr double kLeastWeight = 0.1;
 // Nearer to measured points than this, what was seen through is noise of the points.
 constexpr double kClearanceInCells = 1.5;
 constexpr double kWrapOffsetInCells = 0.5;
+constexpr double kRoomyCube = 1.6;
 
 double CellSize(const PointCloud& object, const PoissonSettings& settings) {
   Eigen::Vector3d low = object.points.front(), high = low;
@@ -108,6 +110,28 @@ TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
                 sources.cell_mm);
 }
 
+// Poisson, and once more in a roomier cube where the surface does not close in the first: what was
+// not scanned bulges. The errors of both are reasons.
+bool TryPoisson(const Sources& sources, PoissonSettings settings, Progress& progress,
+                ReconstructedSurface& result) {
+  for (const double cube_scale : {settings.cube_scale, kRoomyCube}) {
+    settings.cube_scale = cube_scale;
+    try {
+      result.mesh = MakeByPoisson(sources, settings, result.carved_points);
+      return true;
+    } catch (const Error& error) {
+      // Only what the points cannot give is worth another attempt; a failure of ours is not.
+      if (error.kind() == ErrorKind::kSystem) throw;
+      std::ostringstream reason;
+      reason << "poisson left no closed surface in a cube " << cube_scale
+             << " times as wide as the points (" << error.what() << ")";
+      result.reasons.push_back(reason.str());
+      progress.Note(result.reasons.back());
+    }
+  }
+  return false;
+}
+
 // Fills in mesh, method and reasons.
 void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings& settings,
                SurfaceMethod asked, Progress& progress, ReconstructedSurface& result) {
@@ -115,17 +139,10 @@ void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings&
   result.method = choice.method;
   result.reasons.push_back(choice.reason);
   if (choice.method == SurfaceMethod::kPoisson) {
-    try {
-      result.mesh = MakeByPoisson(sources, settings, result.carved_points);
-      return;
-    } catch (const Error& error) {
-      // Only what the points cannot give is worth another method; a failure of ours is not.
-      if (error.kind() == ErrorKind::kSystem || asked == SurfaceMethod::kPoisson) throw;
-      result.reasons.push_back(std::string("wrap: poisson left no closed surface (") +
-                               error.what() + ")");
-      progress.Note(result.reasons.back());
-      result.method = SurfaceMethod::kWrap;
-    }
+    if (TryPoisson(sources, settings, progress, result)) return;
+    if (asked == SurfaceMethod::kPoisson) throw Error("reconstruction: " + result.reasons.back());
+    result.reasons.push_back("wrap: poisson does not close what was scanned");
+    result.method = SurfaceMethod::kWrap;
   }
   result.mesh = MakeByWrap(sources, spacing_mm);
 }
@@ -164,6 +181,7 @@ ReconstructedSurface ReconstructSurface(const PointCloud& object, double spacing
   if (object.points.empty()) throw Error("reconstruction: there are no points");
   PoissonSettings poisson;
   poisson.depth = settings.depth;
+  poisson.closed_below_mm = 0;
   // Cells much finer than the points' spacing hold nothing but noise, and tear the surface.
   while (poisson.depth > kShallowest &&
          CellSize(object, poisson) < kSmallestCellInSpacings * spacing_mm) {

@@ -31,7 +31,8 @@ struct ReconstructedSurface {
 /// by the method that ChooseMethod names, cut and capped at z = 0, repaired, fitted to the points,
 /// self-intersections parted. Poisson first makes the solid at half the resolution; where `free`
 /// says that scans saw through it, the border is a constraint of the second run (FindCarvedBorder).
-/// With kAuto, wrapping steps in where Poisson gives no closed surface.
+/// Where Poisson's surface does not close about the points it is tried in a roomier cube; with
+/// kAuto, wrapping steps in when that fails too.
 ///
 /// Cells are 1.1 * extent / 2^depth wide: 0.5 mm for 120 mm at depth 8. Confidence is 0 on the cap
 /// and where no point with a like normal lies within two and a half cells or three spacings of

@@ -169,9 +169,9 @@ TEST(Reconstruction, WrapStepsInWherePoissonStaysOpen) {
   const ReconstructedSurface surface =
       ReconstructSurface(Sheet(), 1, {SurfaceMethod::kAuto, 5}, kNothingKnown, progress);
   EXPECT_EQ(surface.method, SurfaceMethod::kWrap);
-  ASSERT_EQ(surface.reasons.size(), 2u);
+  ASSERT_EQ(surface.reasons.size(), 4u);
   EXPECT_NE(surface.reasons[1].find("poisson left no closed surface"), std::string::npos);
-  EXPECT_EQ(progress.notes, std::vector<std::string>{surface.reasons[1]});
+  EXPECT_EQ(progress.notes, std::vector<std::string>({surface.reasons[1], surface.reasons[2]}));
   EXPECT_TRUE(test::IsClosedManifold(surface.mesh));
   EXPECT_THROW(
       ReconstructSurface(Sheet(), 1, {SurfaceMethod::kPoisson, 5}, kNothingKnown, progress), Error);

@@ -85,7 +85,7 @@ TEST_P(ReconstructionZoo, InvariantsHold) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ReconstructionZoo, testing::ValuesIn(Zoo()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& shape) { return shape.param.name; });
 
 }  // namespace
 }  // namespace lfm
