@@ -200,7 +200,7 @@ class March {
         for (const auto& edges : Table()[inside]) {
           Eigen::Vector3i triangle;
           for (int corner = 0; corner < 3; ++corner) {
-            triangle[corner] = VertexOn(x, y, k, kEdges[edges[corner]]);
+            triangle[2 - corner] = VertexOn(x, y, k, kEdges[edges[corner]]);
           }
           mesh_.triangles.push_back(triangle);
         }

@@ -136,7 +136,7 @@ TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings&
   const Eigen::Vector3d low = center + solution.low;
   TriangleMesh mesh = MarchCubes(cells, [&](int k) {
     std::vector<float> values = layers.Corners(k);
-    for (float& value : values) value -= iso_value;
+    for (float& value : values) value = iso_value - value;  // ours is positive inside
     CloseAtWalls(k, cells, values);
     return values;
   });

@@ -141,7 +141,7 @@ void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings&
   if (choice.method == SurfaceMethod::kPoisson) {
     if (TryPoisson(sources, settings, progress, result)) return;
     if (asked == SurfaceMethod::kPoisson) throw Error("reconstruction: " + result.reasons.back());
-    result.reasons.push_back("wrap: poisson does not close what was scanned");
+    result.reasons.emplace_back("wrap: poisson does not close what was scanned");
     result.method = SurfaceMethod::kWrap;
   }
   result.mesh = MakeByWrap(sources, spacing_mm);
