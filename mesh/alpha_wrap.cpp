@@ -9,9 +9,13 @@
 #include <algorithm>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "core/ray_scene.h"
+#include "mesh/nearest_points.h"
+#include "mesh/surface_distance.h"
 
 namespace lfm {
 namespace {
@@ -21,7 +25,12 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr size_t kFewestPoints = 4;
 constexpr double kLeastAlphaInSpacings = 3;
-constexpr double kKeptVolume = 0.6;
+constexpr double kThinInAlphas = 0.25;
+constexpr double kMostNewlyThin = 0.1;
+constexpr size_t kLookedAt = 5000;
+// Samples in a square of one spacing: no circle of three spacings about is left without one.
+constexpr double kWallDensity = 2;
+constexpr int64_t kMostWallSamples = 1000000;
 
 TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_mm,
                       double offset_mm) {
@@ -49,9 +58,50 @@ TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_m
   return mesh;
 }
 
+// Points of the wrap that lie farther than `clearance_mm` from all data, and are not known to be
+// free.
+std::vector<Eigen::Vector3d> MakeWall(const TriangleMesh& wrap, const NearestPoints& data,
+                                      const FreeSpace& free, double spacing_mm,
+                                      double clearance_mm) {
+  const double wanted = kWallDensity * TotalArea(wrap) / (spacing_mm * spacing_mm);
+  const auto count = static_cast<int64_t>(std::min<double>(wanted, kMostWallSamples)) + 1;
+  std::vector<Eigen::Vector3d> wall = SampleSurface(wrap, count, 1).points;
+  std::erase_if(wall, [&](const Eigen::Vector3d& p) {
+    return data.Find(p, 1).front().distance <= clearance_mm || free.IsFree(p);
+  });
+  return wall;
+}
+
+// Share of the data under which the wrap is thinner than `thin_mm`: from a point away from the
+// nearest place of the wrap, its other side comes that soon.
+double ThinShare(const TriangleMesh& wrap, const std::vector<Eigen::Vector3d>& data,
+                 double thin_mm) {
+  const RayScene scene(wrap);
+  const size_t stride = data.size() / kLookedAt + 1;
+  int64_t thin = 0, all = 0;
+  for (size_t i = 0; i < data.size(); i += stride) {
+    const auto closest = scene.Closest(data[i]);
+    if (!closest || !(closest->distance > 0)) continue;
+    const auto other_side =
+        scene.Intersect(data[i], (data[i] - closest->point) / closest->distance, 0);
+    thin += other_side && other_side->distance < thin_mm;
+    ++all;
+  }
+  return all > 0 ? static_cast<double>(thin) / static_cast<double>(all) : 0;
+}
+
+// Inside a shell, the wrap lies on both sides of its points.
+bool FellThrough(const TriangleMesh& finer, const TriangleMesh& before,
+                 const std::vector<Eigen::Vector3d>& data, double alpha_mm) {
+  if (finer.triangles.empty()) return true;
+  const double thin_mm = kThinInAlphas * alpha_mm;
+  return ThinShare(finer, data, thin_mm) > ThinShare(before, data, thin_mm) + kMostNewlyThin;
+}
+
 }  // namespace
 
-WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_mm) {
+WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_mm,
+                      const FreeSpace& free) {
   if (cloud.points.size() < kFewestPoints) {
     throw Error("reconstruction: " + std::to_string(cloud.points.size()) +
                 " points cannot be wrapped; at least 4 are needed");
@@ -63,18 +113,24 @@ WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
+  const NearestPoints data(cloud.points);
   const double least = kLeastAlphaInSpacings * spacing_mm;
   WrapResult result;
-  result.alpha_mm = std::max(0.25 * (high - low).maxCoeff(), least);
+  result.alpha_mm = std::max((high - low).norm(), least);
   result.mesh = WrapOnce(points, result.alpha_mm, offset_mm);
   if (result.mesh.triangles.empty()) throw Error("reconstruction: the wrap holds nothing");
   while (result.alpha_mm > least) {
     const double alpha_mm = std::max(0.5 * result.alpha_mm, least);
     TriangleMesh finer = WrapOnce(points, alpha_mm, offset_mm);
-    if (finer.triangles.empty() || SignedVolume(finer) < kKeptVolume * SignedVolume(result.mesh)) {
-      break;
+    if (FellThrough(finer, result.mesh, cloud.points, alpha_mm)) {
+      const auto wall = MakeWall(result.mesh, data, free, spacing_mm, alpha_mm);
+      for (const Eigen::Vector3d& p : wall) points.emplace_back(p.x(), p.y(), p.z());
+      result.wall_points += static_cast<int64_t>(wall.size());
+      if (!wall.empty()) finer = WrapOnce(points, alpha_mm, offset_mm);
     }
-    result = {std::move(finer), alpha_mm};
+    if (finer.triangles.empty()) break;
+    result.mesh = std::move(finer);
+    result.alpha_mm = alpha_mm;
   }
   return result;
 }

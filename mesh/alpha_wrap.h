@@ -1,23 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "core/point_cloud.h"
 #include "core/triangle_mesh.h"
+#include "mesh/free_space.h"
 
 namespace lfm {
 
 struct WrapResult {
-  TriangleMesh mesh;    ///< closed, oriented 2-manifold without self-intersections
-  double alpha_mm = 0;  ///< the widest opening that the wrap does not enter
+  TriangleMesh mesh;       ///< closed, oriented 2-manifold without self-intersections
+  double alpha_mm = 0;     ///< radius of the widest opening that the wrap does not enter
+  int64_t wall_points = 0;  ///< that close holes in the data; see below
 };
 
 /// Wraps points from outside (Portaneri et al. 2022, CGAL): a surface that lies `offset_mm` off the
-/// points and enters no opening narrower than alpha. Needs no normals.
+/// points and enters no opening narrower than twice alpha. Needs no normals.
 ///
-/// A cloud with holes is a shell: entered through a hole, the wrap would line it inside, and hold
-/// next to nothing. So alpha begins at a quarter of the extent and is halved, down to three
-/// `spacing_mm`, as long as the volume stays above 60 % of the one before: details come out, holes
-/// stay closed. Throws Error when there are fewer than four points, or the wrap fails.
-WrapResult WrapPoints(const PointCloud& points, double spacing_mm, double offset_mm);
+/// Alpha begins at the extent, where nothing is entered, and is halved down to three `spacing_mm`:
+/// details come out. A cloud with holes is a shell, though: entered through a hole the wrap lines
+/// it inside too, and holds next to nothing. So where halving alpha leaves the wrap thinner than
+/// alpha / 4 under a tenth more of the points than before, the wrap before is kept as a wall: its
+/// points that lie farther than the new alpha from all data become points to wrap. The gap that
+/// they leave along the hole's rim is too narrow to enter; the next halvings close it in turn. What
+/// `free` says to be empty gets no wall: there an opening was seen through. A thin bowl that nobody
+/// looked into cannot be told from a ball with a hole, and is closed.
+///
+/// Throws Error when there are fewer than four points, or the wrap fails.
+WrapResult WrapPoints(const PointCloud& points, double spacing_mm, double offset_mm,
+                      const FreeSpace& free);
 
 }  // namespace lfm

@@ -105,7 +105,7 @@ TriangleMesh MakeByPoisson(const Sources& sources, const PoissonSettings& settin
 TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
   const double step = std::max(sources.cell_mm, spacing_mm);
   return Finish(WrapPoints(WeighAndJoin(sources.measured, sources.continuation), step,
-                           kWrapOffsetInCells * sources.cell_mm)
+                           kWrapOffsetInCells * sources.cell_mm, sources.free)
                     .mesh,
                 sources.cell_mm);
 }
