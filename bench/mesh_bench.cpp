@@ -50,9 +50,8 @@ CalibResult RingOfCameras() {
     PosedImage photo;
     photo.id = "photo" + std::to_string(i);
     photo.camera = "camera";
-    photo.camera_from_world =
-        LookAt({400 * std::cos(turn), 400 * std::sin(turn), 150}, {0, 0, 40},
-               Eigen::Vector3d::UnitZ());
+    photo.camera_from_world = LookAt({400 * std::cos(turn), 400 * std::sin(turn), 150}, {0, 0, 40},
+                                     Eigen::Vector3d::UnitZ());
     calib.photos.push_back(photo);
   }
   return calib;

@@ -58,19 +58,60 @@ TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_m
   return mesh;
 }
 
-// Points of the wrap that lie farther than `clearance_mm` from all data, and are not known to be
-// free.
-std::vector<Eigen::Vector3d> MakeWall(const TriangleMesh& wrap, const NearestPoints& data,
-                                      const FreeSpace& free, double spacing_mm,
-                                      double clearance_mm) {
-  const double wanted = kWallDensity * TotalArea(wrap) / (spacing_mm * spacing_mm);
-  const auto count = static_cast<int64_t>(std::min<double>(wanted, kMostWallSamples)) + 1;
-  std::vector<Eigen::Vector3d> wall = SampleSurface(wrap, count, 1).points;
-  std::erase_if(wall, [&](const Eigen::Vector3d& p) {
-    return data.Find(p, 1).front().distance <= clearance_mm || free.IsFree(p);
-  });
-  return wall;
-}
+// What closes holes in the data: places of wraps that were not yet entered.
+class Wall {
+ public:
+  Wall(const std::vector<Eigen::Vector3d>& data, const FreeSpace& free, double spacing_mm)
+      : data_(data), free_(free), spacing_mm_(spacing_mm) {}
+
+  // Adds the wrap's places that lie farther than `clearance_mm` from all data, and are not free.
+  // True when most are.
+  bool Raise(const TriangleMesh& wrap, double clearance_mm) {
+    const double wanted = kWallDensity * TotalArea(wrap) / (spacing_mm_ * spacing_mm_);
+    const auto count = static_cast<int64_t>(std::min<double>(wanted, kMostWallSamples)) + 1;
+    int64_t free = 0, added = 0;
+    for (const Eigen::Vector3d& p : SampleSurface(wrap, count, 1).points) {
+      const double distance = data_.Find(p, 1).front().distance;
+      if (distance <= kLeastAlphaInSpacings * spacing_mm_) continue;
+      const bool is_free = free_.IsFree(p), is_far = distance > clearance_mm;
+      free += is_far && is_free;
+      added += is_far && !is_free;
+      if (is_far && !is_free) points_.push_back(p);
+      if (!is_far && !is_free) edge_.push_back({p, distance});
+    }
+    return free > added;
+  }
+
+  // Adds what joins it and lies farther than `clearance_mm` from all data.
+  void Widen(double clearance_mm) {
+    if (points_.empty()) return;
+    std::vector<Eigen::Vector3d> added;
+    {
+      const NearestPoints wall(points_);
+      std::erase_if(edge_, [&](const EdgePoint& p) {
+        const double reach = 1.5 * clearance_mm + spacing_mm_;
+        const bool joins =
+            p.from_data_mm > clearance_mm && wall.Find(p.point, 1).front().distance < reach;
+        if (joins) added.push_back(p.point);
+        return joins;
+      });
+    }
+    points_.insert(points_.end(), added.begin(), added.end());
+  }
+
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+ private:
+  struct EdgePoint {
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    double from_data_mm = 0;
+  };
+  const NearestPoints data_;
+  const FreeSpace& free_;
+  double spacing_mm_;
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<EdgePoint> edge_;  ///< places between the wall and the data
+};
 
 // Share of the data under which the wrap is thinner than `thin_mm`: from a point away from the
 // nearest place of the wrap, its other side comes that soon.
@@ -106,32 +147,38 @@ WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_
     throw Error("reconstruction: " + std::to_string(cloud.points.size()) +
                 " points cannot be wrapped; at least 4 are needed");
   }
-  std::vector<Kernel::Point_3> points;
   Eigen::Vector3d low = cloud.points.front(), high = low;
   for (const Eigen::Vector3d& p : cloud.points) {
-    points.emplace_back(p.x(), p.y(), p.z());
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const NearestPoints data(cloud.points);
+  Wall wall(cloud.points, free, spacing_mm);
+  const auto wrap = [&](double alpha_mm) {
+    std::vector<Kernel::Point_3> points;
+    for (const auto* some : {&cloud.points, &wall.points()}) {
+      for (const Eigen::Vector3d& p : *some) points.emplace_back(p.x(), p.y(), p.z());
+    }
+    return WrapOnce(points, alpha_mm, offset_mm);
+  };
   const double least = kLeastAlphaInSpacings * spacing_mm;
   WrapResult result;
   result.alpha_mm = std::max((high - low).norm(), least);
-  result.mesh = WrapOnce(points, result.alpha_mm, offset_mm);
+  result.mesh = wrap(result.alpha_mm);
   if (result.mesh.triangles.empty()) throw Error("reconstruction: the wrap holds nothing");
   while (result.alpha_mm > least) {
     const double alpha_mm = std::max(0.5 * result.alpha_mm, least);
-    TriangleMesh finer = WrapOnce(points, alpha_mm, offset_mm);
+    wall.Widen(alpha_mm);
+    TriangleMesh finer = wrap(alpha_mm);
     if (FellThrough(finer, result.mesh, cloud.points, alpha_mm)) {
-      const auto wall = MakeWall(result.mesh, data, free, spacing_mm, alpha_mm);
-      for (const Eigen::Vector3d& p : wall) points.emplace_back(p.x(), p.y(), p.z());
-      result.wall_points += static_cast<int64_t>(wall.size());
-      if (!wall.empty()) finer = WrapOnce(points, alpha_mm, offset_mm);
+      const bool seen_through = wall.Raise(result.mesh, alpha_mm);
+      finer = wrap(alpha_mm);
+      if (!seen_through && FellThrough(finer, result.mesh, cloud.points, alpha_mm)) break;
     }
     if (finer.triangles.empty()) break;
     result.mesh = std::move(finer);
     result.alpha_mm = alpha_mm;
   }
+  result.wall_points = static_cast<int64_t>(wall.points().size());
   return result;
 }
 

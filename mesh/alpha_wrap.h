@@ -10,8 +10,8 @@
 namespace lfm {
 
 struct WrapResult {
-  TriangleMesh mesh;       ///< closed, oriented 2-manifold without self-intersections
-  double alpha_mm = 0;     ///< radius of the widest opening that the wrap does not enter
+  TriangleMesh mesh;        ///< closed, oriented 2-manifold without self-intersections
+  double alpha_mm = 0;      ///< radius of the widest opening that the wrap does not enter
   int64_t wall_points = 0;  ///< that close holes in the data; see below
 };
 
@@ -22,10 +22,12 @@ struct WrapResult {
 /// details come out. A cloud with holes is a shell, though: entered through a hole the wrap lines
 /// it inside too, and holds next to nothing. So where halving alpha leaves the wrap thinner than
 /// alpha / 4 under a tenth more of the points than before, the wrap before is kept as a wall: its
-/// points that lie farther than the new alpha from all data become points to wrap. The gap that
-/// they leave along the hole's rim is too narrow to enter; the next halvings close it in turn. What
-/// `free` says to be empty gets no wall: there an opening was seen through. A thin bowl that nobody
-/// looked into cannot be told from a ball with a hole, and is closed.
+/// places that lie farther than the new alpha from all data become points to wrap. The gap that
+/// they leave along the hole's rim is too narrow to enter, and narrows as alpha does. What `free`
+/// says to be empty gets no wall: there an opening was seen through. A thin bowl that nobody looked
+/// into cannot be told from a ball with a hole, and is closed. Where the wrap falls through in
+/// spite of the wall, between points too far apart for the new alpha, the wrap before is the
+/// result.
 ///
 /// Throws Error when there are fewer than four points, or the wrap fails.
 WrapResult WrapPoints(const PointCloud& points, double spacing_mm, double offset_mm,

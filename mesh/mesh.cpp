@@ -200,7 +200,9 @@ MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sig
   MeshOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   progress.Start("cleaning the points", 1);
-  const CleanCloud clean = CleanPoints(PreparePoints(points, progress), LimitsOf(calib, options));
+  CleanCloud clean = CleanPoints(PreparePoints(points, progress), LimitsOf(calib, options));
+  // Strays and the platform mislead estimated normals: once more without them.
+  if (points.normals.empty()) clean.cloud = EstimateNormals(clean.cloud);
   progress.Advance();
 
   const FreeSpace free(points, sights, kFreeMarginInSpacings * clean.spacing_mm);

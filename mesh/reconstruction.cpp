@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/ray_scene.h"
 #include "mesh/alpha_wrap.h"
 #include "mesh/base_closing.h"
 #include "mesh/carving.h"
@@ -39,6 +40,7 @@ constexpr double kLeastWeight = 0.1;
 // Nearer to measured points than this, what was seen through is noise of the points.
 constexpr double kClearanceInCells = 1.5;
 constexpr double kWrapOffsetInCells = 0.5;
+constexpr double kWrapStepInCells = 0.5;
 constexpr double kRoomyCube = 1.6;
 
 double CellSize(const PointCloud& object, const PoissonSettings& settings) {
@@ -103,8 +105,9 @@ TriangleMesh MakeByPoisson(const Sources& sources, const PoissonSettings& settin
 }
 
 TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
-  const double step = std::max(sources.cell_mm, spacing_mm);
-  return Finish(WrapPoints(WeighAndJoin(sources.measured, sources.continuation), step,
+  const double step = std::max(kWrapStepInCells * sources.cell_mm, spacing_mm);
+  const PointCloud continuation = ContinueBelowPlatform(sources.measured, step);
+  return Finish(WrapPoints(WeighAndJoin(sources.measured, continuation), step,
                            kWrapOffsetInCells * sources.cell_mm, sources.free)
                     .mesh,
                 sources.cell_mm);
@@ -145,6 +148,18 @@ void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings&
     result.method = SurfaceMethod::kWrap;
   }
   result.mesh = MakeByWrap(sources, spacing_mm);
+}
+
+// A wrap knows inside from outside; the points that it was asked for may not.
+void TakeNormalsFrom(const TriangleMesh& mesh, PointCloud& cloud) {
+  const RayScene scene(mesh);
+  ParallelFor(
+      0, static_cast<int64_t>(cloud.points.size()),
+      [&](int64_t i) {
+        const auto closest = scene.Closest(cloud.points[i]);
+        if (closest) cloud.normals[i] = TriangleNormal(mesh, closest->triangle);
+      },
+      256);
 }
 
 std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud& measured,
@@ -190,15 +205,22 @@ ReconstructedSurface ReconstructSurface(const PointCloud& object, double spacing
   progress.Start("reconstructing the surface", 4);
   ReconstructedSurface result;
   result.cell_mm = CellSize(object, poisson);
-  const PointCloud measured = ConsolidatePoints(object, kVoxelInCells * result.cell_mm);
+  PointCloud measured = ConsolidatePoints(object, kVoxelInCells * result.cell_mm);
   if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
   progress.Advance();
   const PointCloud continuation = ContinueBelowPlatform(measured, result.cell_mm);
   const Sources sources{measured, continuation, free, result.cell_mm};
   MakeSolid(sources, spacing_mm, poisson, settings.method, progress, result);
   progress.Advance();
+  const TriangleMesh solid = FlipTowardsDelaunay(result.mesh);
+  PointCloud of_wrap;
+  if (result.method == SurfaceMethod::kWrap) {
+    of_wrap = object;
+    TakeNormalsFrom(solid, of_wrap);
+    TakeNormalsFrom(solid, measured);
+  }
   Untangled untangled = RemoveSelfIntersections(
-      FitToPoints(FlipTowardsDelaunay(result.mesh), object, result.cell_mm));
+      FitToPoints(solid, result.method == SurfaceMethod::kWrap ? of_wrap : object, result.cell_mm));
   result.mesh = std::move(untangled.mesh);
   result.self_intersections = untangled.left;
   progress.Advance();

@@ -61,9 +61,8 @@ TEST(AlphaWrap, ARingKeepsItsHole) {
 TEST(AlphaWrap, ABowlIsOpenWhereItWasLookedInto) {
   PointCloud bowl;
   for (const double radius : {30.0, 28.0}) {
-    const PointCloud side =
-        test::MeasureCloud(test::MakeSphere(radius, 4, {0, 0, 40}), 8000,
-                           {.along_normal_mm = 0, .hidden_below_normal_z = -2});
+    const PointCloud side = test::MeasureCloud(test::MakeSphere(radius, 4, {0, 0, 40}), 8000,
+                                               {.along_normal_mm = 0, .hidden_below_normal_z = -2});
     for (const Eigen::Vector3d& p : side.points) {
       if (p.z() < 45) bowl.points.push_back(p);
     }
@@ -96,7 +95,8 @@ TEST(AlphaWrap, TenPointsAreEnough) {
 TEST(AlphaWrap, TooFewPointsAreAnError) {
   PointCloud three;
   three.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_NE(test::ErrorOf([&] { WrapPoints(three, 1, 0.1, kNothingKnown); }).find("4"), std::string::npos);
+  EXPECT_NE(test::ErrorOf([&] { WrapPoints(three, 1, 0.1, kNothingKnown); }).find("4"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -36,32 +36,27 @@ PointCloud SeenFrom(const TriangleMesh& shape, const Eigen::Vector3d& eye, int c
   return seen;
 }
 
-// A column with a broad plate on top. Of the plate nothing but its top gives points (say that the
-// rest is black): what is closed from its rim to the column was seen through from the side.
+// A thin column that carries half a ball. From above and level nobody sees the flat underside, and
+// what is closed without data goes on downwards as the ball does; but the column was seen past it.
 struct Mushroom {
   TriangleMesh shape;
   PointCloud cloud;
   std::vector<ScanSight> sights;
 
   Mushroom() {
-    shape = test::MakeBox({-8, -8, 0}, {8, 8, 45}, 4);
-    const TriangleMesh plate = test::MakeBox({-25, -25, 40}, {25, 25, 50}, 4);
+    shape = test::MakeBox({-6, -6, 0}, {6, 6, 41}, 4);
+    TriangleMesh cap = test::MakeSphere(25, 4, {0, 0, 40});
+    for (Eigen::Vector3d& v : cap.vertices) v.z() = std::max(v.z(), 40.0);
     const int base = static_cast<int>(shape.vertices.size());
-    shape.vertices.insert(shape.vertices.end(), plate.vertices.begin(), plate.vertices.end());
-    for (const Eigen::Vector3i& t : plate.triangles) {
+    shape.vertices.insert(shape.vertices.end(), cap.vertices.begin(), cap.vertices.end());
+    for (const Eigen::Vector3i& t : cap.triangles) {
       shape.triangles.push_back(t + Eigen::Vector3i::Constant(base));
     }
-    for (int k = 0; k < 12; ++k) {
-      const double turn = 2 * M_PI * k / 12;
-      const Eigen::Vector3d eye(400 * std::cos(turn), 400 * std::sin(turn), k % 2 == 0 ? 42 : 250);
-      const PointCloud part = SeenFrom(shape, eye, 60000, k + 1);
+    for (int k = 0; k < 24; ++k) {
+      const double turn = 2 * M_PI * k / 24;
+      const Eigen::Vector3d eye(400 * std::cos(turn), 400 * std::sin(turn), k % 4 == 0 ? 250 : 42);
       const auto first = static_cast<int64_t>(cloud.points.size());
-      for (size_t i = 0; i < part.points.size(); ++i) {
-        if (part.points[i].z() > 38 && part.normals[i].z() < 0.5) continue;
-        cloud.points.push_back(part.points[i]);
-        cloud.normals.push_back(part.normals[i]);
-        cloud.confidence.push_back(part.confidence[i]);
-      }
+      test::Append(cloud, SeenFrom(shape, eye, 15000, k + 1));
       sights.push_back({{eye}, first, static_cast<int64_t>(cloud.points.size())});
     }
   }
@@ -70,19 +65,19 @@ struct Mushroom {
     const CleanCloud clean = CleanPoints(cloud, {});
     const FreeSpace free(cloud, with_sights ? sights : std::vector<ScanSight>{},
                          4 * clean.spacing_mm);
-    return ReconstructSurface(clean.cloud, clean.spacing_mm, {SurfaceMethod::kPoisson, 7}, free,
+    return ReconstructSurface(clean.cloud, clean.spacing_mm, {SurfaceMethod::kPoisson, 6}, free,
                               SilentProgress());
   }
 };
 
-// Volume between column and plate's rim below the plate, which is air.
+// Share of the air about the column, below the cap, that the mesh fills.
 double AirFilled(const TriangleMesh& mesh) {
   const RayScene scene(mesh);
   int inside = 0, all = 0;
   for (int x = -24; x <= 24; x += 2) {
     for (int y = -24; y <= 24; y += 2) {
-      for (int z = 5; z <= 35; z += 3) {
-        if (std::max(std::abs(x), std::abs(y)) < 12) continue;
+      for (int z = 20; z <= 38; z += 3) {
+        if (std::hypot(x, y) < 10 || std::hypot(x, y) > 24) continue;
         int crossings = 0;
         double from = 0;
         const Eigen::Vector3d p(x + 0.1, y + 0.2, z);

@@ -77,8 +77,7 @@ TEST(PhotoDetail, IsTheMeanGradientOverTheMedian) {
 
 TEST(PhotoDetail, TrianglesStaySmallWhereThereIsMore) {
   const TriangleMesh ball = test::MakeSphere(30, 5, kCenter);
-  std::vector<double> prices =
-      Measure(ball, [](const std::string&) { return Striped(960, 720); });
+  std::vector<double> prices = Measure(ball, [](const std::string&) { return Striped(960, 720); });
   for (double& price : prices) price = 1 + 10 * price;
   const auto share_above = [](const TriangleMesh& mesh) {
     int above = 0;
@@ -107,9 +106,9 @@ TEST(PhotoDetail, Extremes) {
   CalibResult unknown = LevelCameras();
   unknown.photos[0].camera = "another";
   EXPECT_NE(test::ErrorOf([&] {
-              MeasurePhotoDetail(ball, RayScene(ball), unknown,
-                                 [](const std::string&) { return Striped(960, 720); },
-                                 SilentProgress());
+              MeasurePhotoDetail(
+                  ball, RayScene(ball), unknown,
+                  [](const std::string&) { return Striped(960, 720); }, SilentProgress());
             }).find("another"),
             std::string::npos);
 }
