@@ -25,11 +25,13 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr size_t kFewestPoints = 4;
 constexpr double kLeastAlphaInSpacings = 3;
-constexpr double kThinInAlphas = 0.25;
+constexpr double kThinInAlphas = 0.25, kThinInOffsets = 3;
 constexpr double kMostNewlyThin = 0.1;
 constexpr size_t kLookedAt = 5000;
 // Samples in a square of one spacing: no circle of three spacings about is left without one.
 constexpr double kWallDensity = 2;
+// The gap between wall and data, so narrow that neither this alpha nor half of it enters.
+constexpr double kGapInAlphas = 0.5;
 constexpr int64_t kMostWallSamples = 1000000;
 
 TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_mm,
@@ -72,7 +74,7 @@ class Wall {
     int64_t free = 0, added = 0;
     for (const Eigen::Vector3d& p : SampleSurface(wrap, count, 1).points) {
       const double distance = data_.Find(p, 1).front().distance;
-      if (distance <= kLeastAlphaInSpacings * spacing_mm_) continue;
+      if (distance <= kGapInAlphas * kLeastAlphaInSpacings * spacing_mm_) continue;
       const bool is_free = free_.IsFree(p), is_far = distance > clearance_mm;
       free += is_far && is_free;
       added += is_far && !is_free;
@@ -89,7 +91,7 @@ class Wall {
     {
       const NearestPoints wall(points_);
       std::erase_if(edge_, [&](const EdgePoint& p) {
-        const double reach = 1.5 * clearance_mm + spacing_mm_;
+        const double reach = 3 * clearance_mm + spacing_mm_;
         const bool joins =
             p.from_data_mm > clearance_mm && wall.Find(p.point, 1).front().distance < reach;
         if (joins) added.push_back(p.point);
@@ -133,9 +135,10 @@ double ThinShare(const TriangleMesh& wrap, const std::vector<Eigen::Vector3d>& d
 
 // Inside a shell, the wrap lies on both sides of its points.
 bool FellThrough(const TriangleMesh& finer, const TriangleMesh& before,
-                 const std::vector<Eigen::Vector3d>& data, double alpha_mm) {
+                 const std::vector<Eigen::Vector3d>& data, double alpha_mm, double offset_mm) {
   if (finer.triangles.empty()) return true;
-  const double thin_mm = kThinInAlphas * alpha_mm;
+  // Facets as wide as alpha lie off a curved shell, others by the offset.
+  const double thin_mm = std::max(kThinInAlphas * alpha_mm, kThinInOffsets * offset_mm);
   return ThinShare(finer, data, thin_mm) > ThinShare(before, data, thin_mm) + kMostNewlyThin;
 }
 
@@ -167,12 +170,13 @@ WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_
   if (result.mesh.triangles.empty()) throw Error("reconstruction: the wrap holds nothing");
   while (result.alpha_mm > least) {
     const double alpha_mm = std::max(0.5 * result.alpha_mm, least);
-    wall.Widen(alpha_mm);
+    wall.Widen(kGapInAlphas * alpha_mm);
     TriangleMesh finer = wrap(alpha_mm);
-    if (FellThrough(finer, result.mesh, cloud.points, alpha_mm)) {
-      const bool seen_through = wall.Raise(result.mesh, alpha_mm);
+    if (FellThrough(finer, result.mesh, cloud.points, alpha_mm, offset_mm)) {
+      const bool seen_through = wall.Raise(result.mesh, kGapInAlphas * alpha_mm);
       finer = wrap(alpha_mm);
-      if (!seen_through && FellThrough(finer, result.mesh, cloud.points, alpha_mm)) break;
+      if (!seen_through && FellThrough(finer, result.mesh, cloud.points, alpha_mm, offset_mm))
+        break;
     }
     if (finer.triangles.empty()) break;
     result.mesh = std::move(finer);

@@ -21,13 +21,13 @@ struct WrapResult {
 /// Alpha begins at the extent, where nothing is entered, and is halved down to three `spacing_mm`:
 /// details come out. A cloud with holes is a shell, though: entered through a hole the wrap lines
 /// it inside too, and holds next to nothing. So where halving alpha leaves the wrap thinner than
-/// alpha / 4 under a tenth more of the points than before, the wrap before is kept as a wall: its
-/// places that lie farther than the new alpha from all data become points to wrap. The gap that
-/// they leave along the hole's rim is too narrow to enter, and narrows as alpha does. What `free`
-/// says to be empty gets no wall: there an opening was seen through. A thin bowl that nobody looked
-/// into cannot be told from a ball with a hole, and is closed. Where the wrap falls through in
-/// spite of the wall, between points too far apart for the new alpha, the wrap before is the
-/// result.
+/// alpha / 4 (or three offsets) under a tenth more of the points than before, the wrap before is
+/// kept as a wall: its places that lie farther than half the new alpha from all data become points
+/// to wrap. The gap that they leave along the hole's rim is too narrow to enter, and narrows as
+/// alpha does. What `free` says to be empty gets no wall: there an opening was seen through. A thin
+/// bowl that nobody looked into cannot be told from a ball with a hole, and is closed. Where the
+/// wrap falls through in spite of the wall, between points too far apart for the new alpha, the
+/// wrap before is the result.
 ///
 /// Throws Error when there are fewer than four points, or the wrap fails.
 WrapResult WrapPoints(const PointCloud& points, double spacing_mm, double offset_mm,

@@ -40,7 +40,7 @@ constexpr double kLeastWeight = 0.1;
 // Nearer to measured points than this, what was seen through is noise of the points.
 constexpr double kClearanceInCells = 1.5;
 constexpr double kWrapOffsetInCells = 0.5;
-constexpr double kWrapStepInCells = 0.5;
+constexpr double kFirstWrapInSteps = 4;
 constexpr double kRoomyCube = 1.6;
 
 double CellSize(const PointCloud& object, const PoissonSettings& settings) {
@@ -104,12 +104,27 @@ TriangleMesh MakeByPoisson(const Sources& sources, const PoissonSettings& settin
                 sources.cell_mm);
 }
 
+// A wrap knows inside from outside; the points that it was asked for may not.
+void TakeNormalsFrom(const TriangleMesh& mesh, PointCloud& cloud) {
+  const RayScene scene(mesh);
+  ParallelFor(
+      0, static_cast<int64_t>(cloud.points.size()),
+      [&](int64_t i) {
+        const auto closest = scene.Closest(cloud.points[i]);
+        if (closest) cloud.normals[i] = TriangleNormal(mesh, closest->triangle);
+      },
+      256);
+}
+
 TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
-  const double step = std::max(kWrapStepInCells * sources.cell_mm, spacing_mm);
-  const PointCloud continuation = ContinueBelowPlatform(sources.measured, step);
-  return Finish(WrapPoints(WeighAndJoin(sources.measured, continuation), step,
-                           kWrapOffsetInCells * sources.cell_mm, sources.free)
-                    .mesh,
+  const double step = std::max(sources.cell_mm, spacing_mm);
+  const double offset = kWrapOffsetInCells * sources.cell_mm;
+  // What goes on below the platform follows from normals.
+  PointCloud measured = sources.measured;
+  TakeNormalsFrom(WrapPoints(measured, kFirstWrapInSteps * step, offset, sources.free).mesh,
+                  measured);
+  const PointCloud continuation = ContinueBelowPlatform(measured, sources.cell_mm);
+  return Finish(WrapPoints(WeighAndJoin(measured, continuation), step, offset, sources.free).mesh,
                 sources.cell_mm);
 }
 
@@ -148,18 +163,6 @@ void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings&
     result.method = SurfaceMethod::kWrap;
   }
   result.mesh = MakeByWrap(sources, spacing_mm);
-}
-
-// A wrap knows inside from outside; the points that it was asked for may not.
-void TakeNormalsFrom(const TriangleMesh& mesh, PointCloud& cloud) {
-  const RayScene scene(mesh);
-  ParallelFor(
-      0, static_cast<int64_t>(cloud.points.size()),
-      [&](int64_t i) {
-        const auto closest = scene.Closest(cloud.points[i]);
-        if (closest) cloud.normals[i] = TriangleNormal(mesh, closest->triangle);
-      },
-      256);
 }
 
 std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud& measured,

@@ -56,7 +56,7 @@ struct Mushroom {
       const double turn = 2 * M_PI * k / 24;
       const Eigen::Vector3d eye(400 * std::cos(turn), 400 * std::sin(turn), k % 4 == 0 ? 250 : 42);
       const auto first = static_cast<int64_t>(cloud.points.size());
-      test::Append(cloud, SeenFrom(shape, eye, 15000, k + 1));
+      test::Append(cloud, SeenFrom(shape, eye, 8000, k + 1));
       sights.push_back({{eye}, first, static_cast<int64_t>(cloud.points.size())});
     }
   }
@@ -65,7 +65,7 @@ struct Mushroom {
     const CleanCloud clean = CleanPoints(cloud, {});
     const FreeSpace free(cloud, with_sights ? sights : std::vector<ScanSight>{},
                          4 * clean.spacing_mm);
-    return ReconstructSurface(clean.cloud, clean.spacing_mm, {SurfaceMethod::kPoisson, 6}, free,
+    return ReconstructSurface(clean.cloud, clean.spacing_mm, {SurfaceMethod::kPoisson, 7}, free,
                               SilentProgress());
   }
 };

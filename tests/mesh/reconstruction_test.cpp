@@ -193,7 +193,9 @@ TEST(Reconstruction, BothMethodsAgreeOnWhatWasMeasured) {
     EXPECT_EQ(surface.reasons.front(), std::string(NameOf(method)) + ": as asked");
     ExpectSoundSurface(surface.mesh);
     EXPECT_EQ(surface.self_intersections, 0);
-    ExpectNear(surface.mesh, truth, 4, 0.08, 0.25);
+    // A wrap's facets are up to three cells about: 3.9 mm, and 0.8 mm off a tube of radius 10.
+    const bool wrapped = method == SurfaceMethod::kWrap;
+    ExpectNear(surface.mesh, truth, 4, wrapped ? 0.12 : 0.08, wrapped ? 0.35 : 0.25);
   }
 }
 
