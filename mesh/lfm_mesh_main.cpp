@@ -154,8 +154,7 @@ int main(int argc, char** argv) {
   lfm::CommandLine command(
       "lfm-mesh",
       "Reconstructs the closed surface of the scanned object and decimates it. Reads WORK/calib "
-      "and "
-      "WORK/scan/points.ply (or the mesh that the capture brings), writes WORK/mesh.",
+      "and WORK/scan (or --points, or the mesh that the capture brings), writes WORK/mesh.",
       "lfm-mesh demo/capture demo/work");
   command.Positional("CAPTURE", "The capture folder.", capture_folder);
   command.Positional("WORK", "The workspace folder.", work_folder);
