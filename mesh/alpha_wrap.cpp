@@ -14,6 +14,7 @@
 
 #include "core/error.h"
 #include "core/ray_scene.h"
+#include "mesh/carving.h"
 #include "mesh/nearest_points.h"
 #include "mesh/surface_distance.h"
 
@@ -32,6 +33,7 @@ constexpr size_t kLookedAt = 5000;
 constexpr double kWallDensity = 2;
 // The gap between wall and data, so narrow that neither this alpha nor half of it enters.
 constexpr double kGapInAlphas = 0.5;
+constexpr double kBorderInSpacings = 1.5;
 constexpr int64_t kMostWallSamples = 1000000;
 
 TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_mm,
@@ -63,11 +65,12 @@ TriangleMesh WrapOnce(const std::vector<Kernel::Point_3>& points, double alpha_m
 // What closes holes in the data: places of wraps that were not yet entered.
 class Wall {
  public:
-  Wall(const std::vector<Eigen::Vector3d>& data, const FreeSpace& free, double spacing_mm)
-      : data_(data), free_(free), spacing_mm_(spacing_mm) {}
+  Wall(const PointCloud& data, const FreeSpace& free, double spacing_mm)
+      : cloud_(data), data_(data.points), free_(free), spacing_mm_(spacing_mm) {}
 
-  // Adds the wrap's places that lie farther than `clearance_mm` from all data, and are not free.
-  // True when most are.
+  // Adds the wrap's places that lie farther than `clearance_mm` from all data, and are not free;
+  // and where the free space inside the wrap ends, since a hole may lie at the bottom of a hollow
+  // that was seen into. True when most places are free.
   bool Raise(const TriangleMesh& wrap, double clearance_mm) {
     const double wanted = kWallDensity * TotalArea(wrap) / (spacing_mm_ * spacing_mm_);
     const auto count = static_cast<int64_t>(std::min<double>(wanted, kMostWallSamples)) + 1;
@@ -81,6 +84,9 @@ class Wall {
       if (is_far && !is_free) points_.push_back(p);
       if (!is_far && !is_free) edge_.push_back({p, distance});
     }
+    const PointCloud border =
+        FindCarvedBorder(wrap, free_, cloud_, kBorderInSpacings * spacing_mm_, clearance_mm);
+    points_.insert(points_.end(), border.points.begin(), border.points.end());
     return free > added;
   }
 
@@ -108,6 +114,7 @@ class Wall {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     double from_data_mm = 0;
   };
+  const PointCloud& cloud_;
   const NearestPoints data_;
   const FreeSpace& free_;
   double spacing_mm_;
@@ -155,7 +162,7 @@ WrapResult WrapPoints(const PointCloud& cloud, double spacing_mm, double offset_
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  Wall wall(cloud.points, free, spacing_mm);
+  Wall wall(cloud, free, spacing_mm);
   const auto wrap = [&](double alpha_mm) {
     std::vector<Kernel::Point_3> points;
     for (const auto* some : {&cloud.points, &wall.points()}) {

@@ -24,10 +24,11 @@ struct WrapResult {
 /// alpha / 4 (or three offsets) under a tenth more of the points than before, the wrap before is
 /// kept as a wall: its places that lie farther than half the new alpha from all data become points
 /// to wrap. The gap that they leave along the hole's rim is too narrow to enter, and narrows as
-/// alpha does. What `free` says to be empty gets no wall: there an opening was seen through. A thin
-/// bowl that nobody looked into cannot be told from a ball with a hole, and is closed. Where the
-/// wrap falls through in spite of the wall, between points too far apart for the new alpha, the
-/// wrap before is the result.
+/// alpha does. What `free` says to be empty gets no wall, for there an opening was seen through,
+/// but one where the free space inside the wrap ends (FindCarvedBorder). A thin bowl that nobody
+/// looked into cannot be told from a ball with a hole, and is closed. Where the wrap falls through
+/// in spite of the wall, between points too far apart for the new alpha, the wrap before is the
+/// result.
 ///
 /// Throws Error when there are fewer than four points, or the wrap fails.
 WrapResult WrapPoints(const PointCloud& points, double spacing_mm, double offset_mm,
