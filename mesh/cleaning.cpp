@@ -140,7 +140,8 @@ CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
   for (size_t i = 0; i < keep.size(); ++i) {
     const double length = cloud.normals[i].norm();
     const bool on_platform = cloud.points[i].z() < limits.platform_margin_mm;
-    const bool outside = cloud.points[i].norm() > limits.max_distance_mm || !(length > 1e-9);
+    const bool outside =
+        (cloud.points[i] - limits.center).norm() > limits.max_distance_mm || !(length > 1e-9);
     clean.platform += on_platform;
     clean.outside += !on_platform && outside;
     keep[i] = !on_platform && !outside;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 
@@ -10,7 +11,8 @@ namespace lfm {
 
 struct CleaningLimits {
   double platform_margin_mm = 0.6;  ///< points with z below this belong to the platform
-  /// Points farther than this from the world's origin are not on the platform (a wall, a hand).
+  /// Points farther than this from `center` are not on the platform (a wall, a hand).
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double max_distance_mm = std::numeric_limits<double>::infinity();
 };
 

@@ -78,6 +78,7 @@ struct Decimation::State {
   HalfEdgeMesh mesh;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< taken off, for the digits of quadrics
   std::vector<Quadric> quadrics;
+  std::vector<double> prices;      ///< of vertices; or empty
   std::vector<uint32_t> versions;  ///< of edges: a queued candidate with an older one is void
   int64_t triangles = 0;
   double area = 0;
@@ -88,7 +89,9 @@ struct Decimation::State {
     const auto v1 = mesh.topology.to_vertex_handle(half_edge);
     Quadric sum = quadrics[v0.idx()];
     sum += quadrics[v1.idx()];
-    return PlaceBest(sum, mesh.Position(v0), mesh.Position(v1));
+    Placement best = PlaceBest(sum, mesh.Position(v0), mesh.Position(v1));
+    if (!prices.empty()) best.cost *= std::max(prices[v0.idx()], prices[v1.idx()]);
+    return best;
   }
 
   void Enqueue(OpenMesh::EdgeHandle edge, Queue& queue) {
@@ -139,14 +142,25 @@ bool Decimation::State::CollapseFrom(Queue& queue, int64_t count, const Collapse
     topology.collapse(half_edge);
     mesh.positions[to.idx()] = position;
     quadrics[to.idx()] += quadrics[from.idx()];
+    if (!prices.empty()) prices[to.idx()] = std::max(prices[from.idx()], prices[to.idx()]);
     collapsed = true;
     for (auto it = topology.cve_iter(to); it.is_valid(); ++it) Enqueue(*it, queue);
   }
   return collapsed;
 }
 
-Decimation::Decimation(const TriangleMesh& mesh) : state_(std::make_unique<State>()) {
+Decimation::Decimation(const TriangleMesh& mesh, const std::vector<double>& prices)
+    : state_(std::make_unique<State>()) {
   ValidateMesh(mesh, "decimation");
+  if (!prices.empty() && prices.size() != mesh.vertices.size()) {
+    throw Error("decimation: expected a price for each vertex");
+  }
+  for (const double price : prices) {
+    if (!(price > 0) || !std::isfinite(price)) {
+      throw Error("decimation: prices must be positive");
+    }
+  }
+  state_->prices = prices;
   state_->mesh = MakeHalfEdgeMesh(mesh);
   for (const Eigen::Vector3d& v : mesh.vertices) state_->center += v;
   state_->center /= static_cast<double>(mesh.vertices.size());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/triangle_mesh.h"
 
@@ -19,8 +20,10 @@ namespace lfm {
 /// them. Copies go on independently.
 class Decimation {
  public:
-  /// Throws Error unless the mesh is valid and an oriented manifold.
-  explicit Decimation(const TriangleMesh& mesh);
+  /// `prices`, one a vertex or none, multiply the cost of collapses there: where they are high,
+  /// triangles stay small (of a collapsed edge the higher one remains). Throws Error unless the
+  /// mesh is valid and an oriented manifold, and prices are positive and finite.
+  explicit Decimation(const TriangleMesh& mesh, const std::vector<double>& prices = {});
   Decimation(const Decimation& other);
   Decimation& operator=(const Decimation& other);
   ~Decimation();

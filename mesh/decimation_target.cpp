@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/decimation_target.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/ray_scene.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
+#include "mesh/error_bound.h"
+#include "mesh/self_intersection.h"
 
 namespace lfm {
 namespace {
@@ -52,6 +57,9 @@ DecimatedMesh Finish(const Decimation& decimation, const DenseSurface& dense) {
   const int64_t samples = std::max<int64_t>(20 * decimation.triangles(), 2000);
   result.mesh =
       ImproveTriangles(decimation.Mesh(), dense.scene, SampleSurface(dense.mesh, samples, 3));
+  Untangled untangled = RemoveSelfIntersections(result.mesh);
+  result.mesh = std::move(untangled.mesh);
+  result.self_intersections = untangled.left;
   result.deviation = Deviation(result.mesh, dense);
   return result;
 }
@@ -73,26 +81,13 @@ int64_t GuessCount(const TriangleMesh& surface, double tolerance_mm) {
   return static_cast<int64_t>(std::clamp(count, static_cast<double>(kFewestTriangles), 1e9));
 }
 
-}  // namespace
-
-SurfaceDeviation MeasureDeviation(const TriangleMesh& mesh, const TriangleMesh& surface) {
-  return Deviation(mesh, DenseSurface(surface));
-}
-
-DecimatedMesh DecimateToCount(const TriangleMesh& surface, int64_t count) {
-  const DenseSurface dense(surface);
-  if (static_cast<int64_t>(surface.triangles.size()) <= count) return Undecimated(dense);
-  Decimation decimation(surface);
-  decimation.ReduceTo(count);
-  return Finish(decimation, dense);
-}
-
-DecimatedMesh DecimateToTolerance(const TriangleMesh& surface, double tolerance_mm,
-                                  Progress& progress) {
-  const DenseSurface dense(surface);
-  const int64_t all = static_cast<int64_t>(surface.triangles.size());
-  const Decimation undone(surface);
-  int64_t count = std::min(GuessCount(surface, tolerance_mm), all);
+// The coarsest mesh that `near_enough` accepts, by bisection over the number of triangles; the
+// search begins where `tolerance_mm` suggests.
+DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, double tolerance_mm,
+                           const std::function<bool(const DecimatedMesh&)>& near_enough,
+                           Progress& progress) {
+  const int64_t all = static_cast<int64_t>(dense.mesh.triangles.size());
+  int64_t count = std::min(GuessCount(dense.mesh, tolerance_mm), all);
   // From here most attempts start: what is far finer than needed is taken away once.
   Decimation finer = undone;
   finer.ReduceTo(16 * count);
@@ -103,15 +98,14 @@ DecimatedMesh DecimateToTolerance(const TriangleMesh& surface, double tolerance_
     decimation.ReduceTo(target);
     DecimatedMesh result = Finish(decimation, dense);
     progress.Advance();
-    const bool near_enough = result.deviation.WorseP95() <= tolerance_mm;
-    if (near_enough) {
-      best = std::move(result);
-      finer = decimation;
-      fine = target;
-    } else {
+    if (!near_enough(result)) {
       coarse = target;
+      return false;
     }
-    return near_enough;
+    best = std::move(result);
+    finer = decimation;
+    fine = target;
+    return true;
   };
   if (attempt(count)) {
     while (count > kFewestTriangles && attempt(count = std::max(count / 2, kFewestTriangles))) {
@@ -127,6 +121,75 @@ DecimatedMesh DecimateToTolerance(const TriangleMesh& surface, double tolerance_
         std::llround(std::sqrt(static_cast<double>(fine) * static_cast<double>(coarse)));
     if (middle <= coarse || middle >= fine) break;
     attempt(middle);
+  }
+  return std::move(*best);
+}
+
+}  // namespace
+
+SurfaceDeviation MeasureDeviation(const TriangleMesh& mesh, const TriangleMesh& surface) {
+  return Deviation(mesh, DenseSurface(surface));
+}
+
+DecimatedMesh DecimateToCount(const DecimationSource& source, int64_t count) {
+  const DenseSurface dense(source.surface);
+  if (static_cast<int64_t>(source.surface.triangles.size()) <= count) return Undecimated(dense);
+  Decimation decimation(source.surface, source.prices);
+  decimation.ReduceTo(count);
+  return Finish(decimation, dense);
+}
+
+DecimatedMesh DecimateToTolerance(const DecimationSource& source, double tolerance_mm,
+                                  Progress& progress) {
+  const DenseSurface dense(source.surface);
+  return FindCoarsest(
+      dense, Decimation(source.surface, source.prices), tolerance_mm,
+      [&](const DecimatedMesh& result) { return result.deviation.WorseP95() <= tolerance_mm; },
+      progress);
+}
+
+DecimatedMesh DecimateToMaxError(const DecimationSource& source, double max_mm,
+                                 Progress& progress) {
+  const DenseSurface dense(source.surface);
+  DecimatedMesh result = FindCoarsest(
+      dense, Decimation(source.surface, source.prices), 0.3 * max_mm,
+      [&](const DecimatedMesh& tried) {
+        // Samples refute sooner than a proof fails.
+        return tried.deviation.both.max <= max_mm &&
+               IsWithin(tried.mesh, dense.mesh, dense.scene, max_mm) &&
+               IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm);
+      },
+      progress);
+  result.proven_error_mm = result.deviation.both.max > 0 ? max_mm : 0;
+  return result;
+}
+
+DecimatedMesh DecimateToMean(const DecimationSource& source, int64_t guess, double target,
+                             const std::function<double(const TriangleMesh&)>& measure,
+                             Progress& progress) {
+  constexpr int kAttempts = 8;
+  constexpr double kNearEnough_rel = 0.015;
+  const DenseSurface dense(source.surface);
+  const auto all = static_cast<int64_t>(source.surface.triangles.size());
+  const Decimation undone(source.surface, source.prices);
+  std::optional<DecimatedMesh> best;
+  double best_error = 0;
+  int64_t count = guess;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    count = std::clamp(count, std::min(kFewestTriangles, all), all);
+    Decimation decimation = undone;
+    decimation.ReduceTo(count);
+    DecimatedMesh result = count < all ? Finish(decimation, dense) : Undecimated(dense);
+    const double ratio = measure(result.mesh) / target;
+    progress.Advance();
+    const double error = std::abs(std::log(std::max(ratio, 1e-9)));
+    if (!best || error < best_error) {
+      best = std::move(result);
+      best_error = error;
+    }
+    const int64_t next = std::llround(static_cast<double>(count) * std::clamp(ratio, 0.2, 5.0));
+    if (error < kNearEnough_rel || next == count || (count == all && next > all)) break;
+    count = next;
   }
   return std::move(*best);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/mesh.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -15,42 +17,121 @@
 #include "core/ray_scene.h"
 #include "mesh/cleaning.h"
 #include "mesh/decimation_target.h"
+#include "mesh/normal_estimation.h"
+#include "mesh/patch_samples.h"
+#include "mesh/photo_detail.h"
 #include "mesh/pixel_footprint.h"
 #include "mesh/reconstruction.h"
+#include "mesh/thinning.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kGivenSamplesPerTriangle = 40;
 
-// Nothing on the platform is as far from its centre as the cameras usually are. Test photographs
-// are for scoring and have no say.
-double CameraDistance(const CalibResult& calib) {
-  std::vector<double> distances;
+constexpr int64_t kMostPoints = 4000000;
+constexpr double kFreeMarginInSpacings = 4;
+
+std::vector<const PosedImage*> TrainImages(const CalibResult& calib) {
+  std::vector<const PosedImage*> train;
   for (const auto* images : {&calib.photos, &calib.scans}) {
     for (const PosedImage& image : *images) {
-      if (image.split != PhotoSplit::kTrain) continue;
-      distances.push_back(image.camera_from_world.Center().norm());
+      if (image.split == PhotoSplit::kTrain) train.push_back(&image);
     }
   }
-  if (distances.empty()) return std::numeric_limits<double>::infinity();
+  return train;
+}
+
+double MedianDistance(const std::vector<const PosedImage*>& images, const Eigen::Vector3d& from) {
+  std::vector<double> distances;
+  for (const PosedImage* image : images) {
+    distances.push_back((image->camera_from_world.Center() - from).norm());
+  }
   std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
   return distances[distances.size() / 2];
 }
 
-DecimatedMesh Decimate(const TriangleMesh& surface, double pixel_mm, const MeshOptions& options,
-                       Progress& progress) {
+// The point nearest to all lines of sight; the origin where they are as good as parallel.
+Eigen::Vector3d LookedAt(const std::vector<const PosedImage*>& images) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const PosedImage* image : images) {
+    const Eigen::Vector3d axis = image->camera_from_world.rotation.row(2).transpose();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+    a += across;
+    b += across * image->camera_from_world.Center();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  if (!(solver.eigenvalues()[0] > 1e-2 * solver.eigenvalues()[2])) return Eigen::Vector3d::Zero();
+  return a.ldlt().solve(b);
+}
+
+// Nothing on the platform is as far from its centre as the cameras usually are. Test photographs
+// are for scoring and have no say. A capture whose world lies elsewhere is measured from where its
+// cameras look.
+CleaningLimits LimitsOf(const CalibResult& calib, const MeshOptions& options) {
+  CleaningLimits limits;
+  limits.platform_margin_mm = options.platform_margin_mm;
+  const std::vector<const PosedImage*> train = TrainImages(calib);
+  if (train.empty()) return limits;
+  const Eigen::Vector3d looked_at = LookedAt(train);
+  limits.max_distance_mm = MedianDistance(train, Eigen::Vector3d::Zero());
+  const double from_there = MedianDistance(train, looked_at);
+  if (looked_at.norm() > 0.5 * limits.max_distance_mm && from_there < limits.max_distance_mm) {
+    limits.center = looked_at;
+    limits.max_distance_mm = from_there;
+  }
+  return limits;
+}
+
+// Estimates normals where there are none, and thins what is more than the rest can hold.
+PointCloud PreparePoints(const PointCloud& points, Progress& progress) {
+  PointCloud prepared = ThinPoints(points, kMostPoints);
+  if (prepared.points.size() < points.points.size()) {
+    progress.Note("points: " + std::to_string(points.points.size()) + " thinned to " +
+                  std::to_string(prepared.points.size()));
+  }
+  if (prepared.normals.empty() && !prepared.points.empty()) {
+    progress.Note("points: they have no normals; estimated from their neighbours");
+    prepared = EstimateNormals(prepared);
+  }
+  return prepared;
+}
+
+// The surface, and what its parts are worth when texture counts.
+DecimationSource PriceSurface(const TriangleMesh& surface, const RayScene& scene,
+                              const CalibResult& calib, const MeshOptions& options,
+                              const ImageLoader& load_image, Progress& progress) {
+  if (options.texture_weight <= 0) return surface;
+  if (!load_image) {
+    throw Error("mesh: there are no photographs to weigh texture by; leave out --texture-weight");
+  }
+  std::vector<double> prices = MeasurePhotoDetail(surface, scene, calib, load_image, progress);
+  for (double& price : prices) price = 1 + options.texture_weight * price;
+  return {surface, std::move(prices)};
+}
+
+DecimatedMesh Decimate(const DecimationSource& source, const RayScene& scene, double pixel_mm,
+                       const CalibResult& calib, const MeshOptions& options, Progress& progress) {
   if (options.triangle_count > 0) {
     progress.Start("decimating", 1);
-    return DecimateToCount(surface, options.triangle_count);
+    return DecimateToCount(source, options.triangle_count);
   }
   if (options.samples_per_triangle > 0) {
-    progress.Start("decimating", 1);
+    progress.Start("decimating to the samples asked for", 8);
     const double area_of_triangle = options.samples_per_triangle * pixel_mm * pixel_mm;
-    return DecimateToCount(surface, std::llround(TotalArea(surface) / area_of_triangle));
+    return DecimateToMean(
+        source, std::llround(TotalArea(source.surface) / area_of_triangle),
+        options.samples_per_triangle,
+        [&](const TriangleMesh& mesh) { return PredictSamplesPerTriangle(mesh, scene, calib); },
+        progress);
+  }
+  if (options.max_error_mm > 0) {
+    progress.Start("finding the coarsest mesh within the error", 12);
+    return DecimateToMaxError(source, options.max_error_mm, progress);
   }
   progress.Start("finding the coarsest mesh", 9);
-  return DecimateToTolerance(surface, options.tolerance_px * pixel_mm, progress);
+  return DecimateToTolerance(source, options.tolerance_px * pixel_mm, progress);
 }
 
 // Confidence of the surface's closest points.
@@ -76,12 +157,16 @@ std::vector<float> TransferConfidence(const TriangleMesh& mesh, const TriangleMe
   return confidence;
 }
 
-void AddDecimated(DecimatedMesh decimated, const RayScene& surface_scene, MeshResult& result) {
+void AddDecimated(DecimatedMesh decimated, const RayScene& surface_scene, const CalibResult& calib,
+                  MeshResult& result) {
   result.mesh = std::move(decimated.mesh);
+  result.mesh_self_intersections = decimated.self_intersections;
   result.mesh.normals = ComputeVertexNormals(result.mesh);
   result.mesh.confidence = TransferConfidence(result.mesh, result.surface, surface_scene);
   result.deviation_mean_mm = decimated.deviation.both.mean;
   result.deviation_p95_mm = decimated.deviation.both.p95;
+  result.deviation_max_mm = std::max(decimated.deviation.both.max, decimated.proven_error_mm);
+  result.samples_per_triangle = PredictSamplesPerTriangle(result.mesh, surface_scene, calib);
 }
 
 void CheckGivenMesh(const TriangleMesh& given) {
@@ -109,20 +194,32 @@ void CheckGivenMesh(const TriangleMesh& given) {
 
 }  // namespace
 
-MeshResult BuildMesh(const PointCloud& points, const CalibResult& calib, const MeshOptions& options,
-                     Progress& progress) {
+MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sights,
+                     const CalibResult& calib, const MeshOptions& options, Progress& progress,
+                     const ImageLoader& load_image) {
   MeshOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   progress.Start("cleaning the points", 1);
-  const CleanCloud clean = CleanPoints(points, {options.platform_margin_mm, CameraDistance(calib)});
+  CleanCloud clean = CleanPoints(PreparePoints(points, progress), LimitsOf(calib, options));
+  // Strays and the platform mislead estimated normals: once more without them.
+  if (points.normals.empty()) clean.cloud = EstimateNormals(clean.cloud);
   progress.Advance();
 
+  const FreeSpace free(points, sights, kFreeMarginInSpacings * clean.spacing_mm);
+  ReconstructedSurface reconstructed = ReconstructSurface(
+      clean.cloud, clean.spacing_mm, {options.method, options.poisson_depth}, free, progress);
   MeshResult result;
-  result.surface =
-      ReconstructSurface(clean.cloud, clean.spacing_mm, options.poisson_depth, progress);
+  result.surface = std::move(reconstructed.mesh);
+  result.method = NameOf(reconstructed.method);
+  result.reasons = std::move(reconstructed.reasons);
+  result.carved_points = reconstructed.carved_points;
+  result.surface_self_intersections = reconstructed.self_intersections;
   const RayScene scene(result.surface);
   result.pixel_mm = MedianPixelFootprint(result.surface, scene, calib);
-  AddDecimated(Decimate(result.surface, result.pixel_mm, options, progress), scene, result);
+  const DecimationSource source =
+      PriceSurface(result.surface, scene, calib, options, load_image, progress);
+  AddDecimated(Decimate(source, scene, result.pixel_mm, calib, options, progress), scene, calib,
+               result);
   const MeshTopology topology = ExamineTopology(result.mesh);
   if (!topology.closed || !topology.manifold) {
     throw Error("mesh: the decimated mesh is not a closed manifold", ErrorKind::kSystem);
@@ -131,7 +228,8 @@ MeshResult BuildMesh(const PointCloud& points, const CalibResult& calib, const M
 }
 
 MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
-                            const MeshOptions& options, Progress& progress) {
+                            const MeshOptions& options, Progress& progress,
+                            const ImageLoader& load_image) {
   MeshOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   CheckGivenMesh(given);
@@ -158,9 +256,13 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
       options.triangle_count > 0 ? count <= options.triangle_count : samples >= needed;
   if (coarse_enough) {
     result.mesh = result.surface;
+    result.samples_per_triangle = PredictSamplesPerTriangle(result.mesh, scene, calib);
     return result;
   }
-  AddDecimated(Decimate(result.surface, result.pixel_mm, options, progress), scene, result);
+  const DecimationSource source =
+      PriceSurface(result.surface, scene, calib, options, load_image, progress);
+  AddDecimated(Decimate(source, scene, result.pixel_mm, calib, options, progress), scene, calib,
+               result);
   return result;
 }
 

@@ -10,7 +10,7 @@
 namespace lfm {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 nlohmann::json CountsToJson(const TriangleMesh& mesh) {
   const MeshTopology topology = ExamineTopology(mesh);
@@ -20,17 +20,21 @@ nlohmann::json CountsToJson(const TriangleMesh& mesh) {
           {"closed_manifold", topology.closed && topology.manifold}};
 }
 
-void CheckCounts(JsonReader reader, const TriangleMesh& mesh, const std::string& file) {
-  constexpr int kMost = 2000000000;
+constexpr int kMost = 2000000000;
+
+// Returns the self-intersections that were left.
+int CheckCounts(JsonReader reader, const TriangleMesh& mesh, const std::string& file) {
   const int vertices = reader.Integer("vertices", 0, kMost);
   const int triangles = reader.Integer("triangles", 0, kMost);
   reader.Integer("components", 0, kMost);
   reader.Bool("closed_manifold");
+  const int self_intersections = reader.Integer("self_intersections", 0, kMost);
   reader.Finish();
   if (static_cast<size_t>(vertices) != mesh.vertices.size() ||
       static_cast<size_t>(triangles) != mesh.triangles.size()) {
     throw Error(file + ": its size differs from what mesh.json says; run lfm-mesh again");
   }
+  return self_intersections;
 }
 
 TriangleMesh ReadWithData(const std::filesystem::path& file) {
@@ -47,12 +51,19 @@ TriangleMesh ReadWithData(const std::filesystem::path& file) {
 void SaveMesh(const MeshResult& result, const std::filesystem::path& folder) {
   WritePly(result.surface, folder / "surface.ply");
   WritePly(result.mesh, folder / "mesh.ply");
-  const nlohmann::json json = {{"version", kVersion},
-                               {"pixel_mm", result.pixel_mm},
-                               {"deviation_mean_mm", result.deviation_mean_mm},
-                               {"deviation_p95_mm", result.deviation_p95_mm},
-                               {"surface", CountsToJson(result.surface)},
-                               {"mesh", CountsToJson(result.mesh)}};
+  nlohmann::json json = {{"version", kVersion},
+                         {"method", result.method},
+                         {"reasons", result.reasons},
+                         {"carved_points", result.carved_points},
+                         {"pixel_mm", result.pixel_mm},
+                         {"samples_per_triangle", result.samples_per_triangle},
+                         {"deviation_mean_mm", result.deviation_mean_mm},
+                         {"deviation_p95_mm", result.deviation_p95_mm},
+                         {"deviation_max_mm", result.deviation_max_mm},
+                         {"surface", CountsToJson(result.surface)},
+                         {"mesh", CountsToJson(result.mesh)}};
+  json["surface"]["self_intersections"] = result.surface_self_intersections;
+  json["mesh"]["self_intersections"] = result.mesh_self_intersections;
   WriteJson(json, folder / "mesh.json");
 }
 
@@ -66,10 +77,17 @@ MeshResult LoadMesh(const std::filesystem::path& folder) {
   if (!(result.pixel_mm > 0)) reader.Fail("pixel_mm", "expected a positive number");
   result.deviation_mean_mm = reader.Number("deviation_mean_mm");
   result.deviation_p95_mm = reader.Number("deviation_p95_mm");
+  result.deviation_max_mm = reader.Number("deviation_max_mm");
+  result.samples_per_triangle = reader.Number("samples_per_triangle");
+  result.method = reader.Text("method");
+  result.reasons = reader.Texts("reasons");
+  result.carved_points = reader.Integer("carved_points", 0, kMost);
   result.surface = ReadWithData(folder / "surface.ply");
   result.mesh = ReadWithData(folder / "mesh.ply");
-  CheckCounts(reader.Object("surface"), result.surface, (folder / "surface.ply").string());
-  CheckCounts(reader.Object("mesh"), result.mesh, (folder / "mesh.ply").string());
+  result.surface_self_intersections =
+      CheckCounts(reader.Object("surface"), result.surface, (folder / "surface.ply").string());
+  result.mesh_self_intersections =
+      CheckCounts(reader.Object("mesh"), result.mesh, (folder / "mesh.ply").string());
   reader.Finish();
   return result;
 }

@@ -1,72 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/poisson.h"
 
-#include <fcntl.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
-#include <pcl/surface/poisson.h>
-#include <unistd.h>
-
-#include <cstdio>
+// The octree's own headers do not stand alone: this one includes them in order.
+#include <algorithm>
+#include <cmath>
 #include <exception>
-#include <iostream>
 #include <mutex>
+#include <pcl/surface/impl/poisson.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
+#include "mesh/marching_cubes.h"
+#include "mesh/spline_field.h"
 
 namespace lfm {
 namespace {
 
-// PCL prints a line on standard output for a cell that it could not close; the repair afterwards
-// deals with those, and nobody who runs a command should read about them. PCL's Poisson code calls
-// printf: neither its verbosity nor std::cout's buffer reaches that, and only the descriptor does.
-// So the process's standard output leads nowhere while PCL works: what another thread prints in
-// that time is lost, which is why this stands around that one call, one thread at a time, and puts
-// everything back however the call ends. Where no descriptor is free, PCL may be heard.
-class SilentStandardOutput {
- public:
-  SilentStandardOutput() : lock_(Mutex()) {
-    std::cout.flush();
-    std::fflush(stdout);
-    saved_ = dup(STDOUT_FILENO);
-    if (saved_ < 0) return;
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nowhere < 0) return;
-    dup2(nowhere, STDOUT_FILENO);
-    close(nowhere);
-  }
-  ~SilentStandardOutput() {
-    if (saved_ < 0) return;
-    std::fflush(stdout);
-    dup2(saved_, STDOUT_FILENO);
-    close(saved_);
-  }
-  SilentStandardOutput(const SilentStandardOutput&) = delete;
-  SilentStandardOutput& operator=(const SilentStandardOutput&) = delete;
+constexpr int kSolverDivide = 8, kFewestIterations = 8;
+constexpr double kSolverAccuracy = 1e-3;
+constexpr int kNodesABlock = 1 << 12;
+constexpr double kMostWall = 0.1;
+using Tree = pcl::poisson::Octree<2>;
 
- private:
-  static std::mutex& Mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-
-  std::lock_guard<std::mutex> lock_;
-  int saved_ = -1;
-};
-
-}  // namespace
-
-TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings) {
-  if (points.points.empty()) throw Error("reconstruction: there are no points");
-  // PCL computes in float32: far from the origin that would cost digits.
-  Eigen::Vector3d low = points.points.front(), high = low;
-  for (const Eigen::Vector3d& p : points.points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Eigen::Vector3d center = 0.5 * (low + high);
+pcl::PointCloud<pcl::PointNormal>::Ptr MakeCloud(const PointCloud& points,
+                                                 const Eigen::Vector3d& center) {
   pcl::PointCloud<pcl::PointNormal>::Ptr cloud(new pcl::PointCloud<pcl::PointNormal>);
   cloud->reserve(points.points.size());
   for (size_t i = 0; i < points.points.size(); ++i) {
@@ -75,34 +36,116 @@ TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings&
     p.getNormalVector3fMap() = points.normals[i].cast<float>();
     cloud->push_back(p);
   }
-  pcl::Poisson<pcl::PointNormal> poisson;
-  poisson.setDepth(settings.depth);
-  poisson.setScale(static_cast<float>(settings.cube_scale));
-  poisson.setSamplesPerNode(static_cast<float>(settings.samples_per_node));
-  poisson.setPointWeight(static_cast<float>(settings.point_weight));
-  poisson.setConfidence(true);
-  poisson.setManifold(false);
-  poisson.setThreads(1);
-  poisson.setInputCloud(cloud);
+  return cloud;
+}
 
-  pcl::PointCloud<pcl::PointNormal> vertices;
-  std::vector<pcl::Vertices> polygons;
+// The solved function less the value at the surface, and the cube it lives in.
+struct Solution {
+  SplineField field;
+  double iso_value = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();  ///< corner of the cube, about the points' middle
+  double side_mm = 0;
+};
+
+// The steps of pcl::Poisson up to its extraction.
+Solution Solve(const pcl::PointCloud<pcl::PointNormal>::Ptr& cloud,
+               const PoissonSettings& settings) {
+  static std::mutex mutex;  // PCL keeps its nodes in a static pool
+  const std::lock_guard lock(mutex);
+  pcl::poisson::TreeNodeData::UseIndex = 1;
+  pcl::poisson::TreeOctNode::SetAllocator(kNodesABlock);
+  const int least_depth = std::min(5, settings.depth);
+  Tree tree;
+  tree.threads = 1;
+  tree.setBSplineData(settings.depth, 1.0F / static_cast<float>(1 << settings.depth), true);
+  pcl::poisson::Point3D<float> low;
+  float side = 1;
+  low.coords[0] = low.coords[1] = low.coords[2] = 0;
+  tree.setTree<pcl::PointNormal>(cloud, settings.depth, least_depth, settings.depth - 2,
+                                 static_cast<float>(settings.samples_per_node),
+                                 static_cast<float>(settings.cube_scale), low, side, 1,
+                                 static_cast<float>(settings.point_weight), true);
+  tree.ClipTree();
+  tree.finalize();
+  tree.RefineBoundary(kSolverDivide);
+  tree.SetLaplacianConstraints();
+  tree.LaplacianMatrixIteration(kSolverDivide, false, kFewestIterations, kSolverAccuracy);
+
+  Solution solution;
+  solution.iso_value = tree.GetIsoValue();
+  solution.side_mm = side;
+  solution.low = Eigen::Vector3d(low.coords[0], low.coords[1], low.coords[2]);
+  solution.field.levels.resize(static_cast<size_t>(settings.depth) + 1);
+  for (auto* node = tree.tree.nextNode(); node != nullptr; node = tree.tree.nextNode(node)) {
+    int depth = 0, cell[3];
+    node->depthAndOffset(depth, cell);
+    if (depth < least_depth || node->nodeData.solution == 0) continue;
+    solution.field.levels[depth].push_back(
+        {cell[0], cell[1], cell[2], static_cast<float>(node->nodeData.solution)});
+  }
+  return solution;
+}
+
+// Takes the corners on the cube's walls for outside.
+void CloseAtWalls(int k, int cells, std::vector<float>& values) {
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x) {
+      const bool wall = std::min({x, y, k}) == 0 || std::max({x, y, k}) == cells;
+      float& value = values[static_cast<size_t>(y) * (cells + 1) + x];
+      if (wall) value = -std::max(std::abs(value), 1e-3F);
+    }
+  }
+}
+
+// Share of the surface's area that lies in the outermost cells, of what is above `from_z` cells.
+double WallShare(const TriangleMesh& mesh, int cells, double from_z) {
+  double wall = 0, all = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Eigen::Vector3i& c = mesh.triangles[t];
+    const Eigen::Vector3d middle =
+        (mesh.vertices[c[0]] + mesh.vertices[c[1]] + mesh.vertices[c[2]]) / 3;
+    if (middle.z() < from_z) continue;
+    const double area = TriangleArea(mesh, static_cast<int>(t));
+    all += area;
+    if (middle.minCoeff() < 1 || middle.maxCoeff() > cells - 1) wall += area;
+  }
+  return all > 0 ? wall / all : 0;
+}
+
+}  // namespace
+
+TriangleMesh ReconstructPoisson(const PointCloud& points, const PoissonSettings& settings) {
+  if (points.points.empty()) throw Error("reconstruction: there are no points");
+  // PCL computes in float32: far from the origin that would cost digits.
+  Eigen::Vector3d lowest = points.points.front(), highest = lowest;
+  for (const Eigen::Vector3d& p : points.points) {
+    lowest = lowest.cwiseMin(p);
+    highest = highest.cwiseMax(p);
+  }
+  const Eigen::Vector3d center = 0.5 * (lowest + highest);
+  Solution solution;
   try {
-    const SilentStandardOutput silence;
-    poisson.performReconstruction(vertices, polygons);
+    solution = Solve(MakeCloud(points, center), settings);
   } catch (const std::exception& e) {
     throw Error(std::string("reconstruction: Poisson failed: ") + e.what(), ErrorKind::kSystem);
   }
-  TriangleMesh mesh;
-  mesh.vertices.reserve(vertices.size());
-  for (const pcl::PointNormal& v : vertices) {
-    mesh.vertices.push_back(v.getVector3fMap().cast<double>() + center);
+  const float iso_value = static_cast<float>(solution.iso_value);
+  const int cells = 1 << settings.depth;
+  SplineLayers layers(std::move(solution.field));
+  const double cell_mm = solution.side_mm / cells;
+  const Eigen::Vector3d low = center + solution.low;
+  TriangleMesh mesh = MarchCubes(cells, [&](int k) {
+    std::vector<float> values = layers.Corners(k);
+    for (float& value : values) value = iso_value - value;  // ours is positive inside
+    CloseAtWalls(k, cells, values);
+    return values;
+  });
+  const double wall_share = WallShare(mesh, cells, (settings.closed_below_mm - low.z()) / cell_mm);
+  if (wall_share > kMostWall) {
+    throw Error("reconstruction: the surface does not close about the points");
   }
-  for (const pcl::Vertices& polygon : polygons) {
-    const auto& corners = polygon.vertices;
-    for (size_t k = 2; k < corners.size(); ++k) {
-      mesh.triangles.emplace_back(corners[0], corners[k - 1], corners[k]);
-    }
+  for (Eigen::Vector3d& v : mesh.vertices) {
+    v = low + cell_mm * v;
   }
   if (mesh.triangles.empty()) {
     throw Error("reconstruction: no surface came out; do the normals point towards the scanner?");

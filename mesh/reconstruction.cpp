@@ -3,12 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "mesh/alpha_wrap.h"
 #include "mesh/base_closing.h"
+#include "mesh/carving.h"
 #include "mesh/consolidation.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
@@ -17,6 +22,7 @@
 #include "mesh/plane_cut.h"
 #include "mesh/point_fit.h"
 #include "mesh/poisson.h"
+#include "mesh/self_intersection.h"
 
 namespace lfm {
 namespace {
@@ -31,6 +37,11 @@ constexpr double kLikeNormalCosine = 0.2;
 // What continues the object unseen counts less than what was measured.
 constexpr double kContinuationWeight = 0.25;
 constexpr double kLeastWeight = 0.1;
+// Nearer to measured points than this, what was seen through is noise of the points.
+constexpr double kClearanceInCells = 1.5;
+constexpr double kWrapOffsetInCells = 0.5;
+constexpr double kFirstWrapInSteps = 4;
+constexpr double kRoomyCube = 1.6;
 
 double CellSize(const PointCloud& object, const PoissonSettings& settings) {
   Eigen::Vector3d low = object.points.front(), high = low;
@@ -56,12 +67,102 @@ PointCloud WeighAndJoin(const PointCloud& measured, const PointCloud& continuati
   return joined;
 }
 
-TriangleMesh ReconstructOnce(const PointCloud& measured, const PoissonSettings& settings,
-                             double cell_mm) {
-  const PointCloud continuation = ContinueBelowPlatform(measured, cell_mm);
-  const TriangleMesh extracted = ReconstructPoisson(WeighAndJoin(measured, continuation), settings);
+TriangleMesh Finish(const TriangleMesh& extracted, double cell_mm) {
   const TriangleMesh cut = CutAtPlatform(RepairToClosedManifold(extracted), cell_mm);
   return RemoveShortEdges(RepairToClosedManifold(cut), kShortestEdgeInCells * cell_mm);
+}
+
+struct Sources {
+  const PointCloud& measured;      ///< consolidated
+  const PointCloud& continuation;  ///< below the platform
+  const FreeSpace& free;
+  double cell_mm = 0;
+};
+
+// The border of what scans saw through in the solid that is closed without that knowledge, which
+// half the resolution shows as well.
+PointCloud FindBorder(const Sources& sources, PoissonSettings settings) {
+  if (sources.free.Empty() || settings.depth <= kShallowest) return {};
+  --settings.depth;
+  const double cell_mm = 2 * sources.cell_mm;
+  const TriangleMesh solid =
+      CutAtPlatform(RepairToClosedManifold(ReconstructPoisson(
+                        WeighAndJoin(sources.measured, sources.continuation), settings)),
+                    cell_mm);
+  return FindCarvedBorder(solid, sources.free, sources.measured, cell_mm,
+                          kClearanceInCells * cell_mm);
+}
+
+TriangleMesh MakeByPoisson(const Sources& sources, const PoissonSettings& settings,
+                           int64_t& carved_points) {
+  PointCloud unseen = sources.continuation;
+  const PointCloud border = FindBorder(sources, settings);
+  carved_points = static_cast<int64_t>(border.points.size());
+  unseen.points.insert(unseen.points.end(), border.points.begin(), border.points.end());
+  unseen.normals.insert(unseen.normals.end(), border.normals.begin(), border.normals.end());
+  return Finish(ReconstructPoisson(WeighAndJoin(sources.measured, unseen), settings),
+                sources.cell_mm);
+}
+
+// A wrap knows inside from outside; the points that it was asked for may not.
+void TakeNormalsFrom(const TriangleMesh& mesh, PointCloud& cloud) {
+  const RayScene scene(mesh);
+  ParallelFor(
+      0, static_cast<int64_t>(cloud.points.size()),
+      [&](int64_t i) {
+        const auto closest = scene.Closest(cloud.points[i]);
+        if (closest) cloud.normals[i] = TriangleNormal(mesh, closest->triangle);
+      },
+      256);
+}
+
+TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
+  const double step = std::max(sources.cell_mm, spacing_mm);
+  const double offset = kWrapOffsetInCells * sources.cell_mm;
+  // What goes on below the platform follows from normals.
+  PointCloud measured = sources.measured;
+  TakeNormalsFrom(WrapPoints(measured, kFirstWrapInSteps * step, offset, sources.free).mesh,
+                  measured);
+  const PointCloud continuation = ContinueBelowPlatform(measured, sources.cell_mm);
+  return Finish(WrapPoints(WeighAndJoin(measured, continuation), step, offset, sources.free).mesh,
+                sources.cell_mm);
+}
+
+// Poisson, and once more in a roomier cube where the surface does not close in the first: what was
+// not scanned bulges. The errors of both are reasons.
+bool TryPoisson(const Sources& sources, PoissonSettings settings, Progress& progress,
+                ReconstructedSurface& result) {
+  for (const double cube_scale : {settings.cube_scale, kRoomyCube}) {
+    settings.cube_scale = cube_scale;
+    try {
+      result.mesh = MakeByPoisson(sources, settings, result.carved_points);
+      return true;
+    } catch (const Error& error) {
+      // Only what the points cannot give is worth another attempt; a failure of ours is not.
+      if (error.kind() == ErrorKind::kSystem) throw;
+      std::ostringstream reason;
+      reason << "poisson left no closed surface in a cube " << cube_scale
+             << " times as wide as the points (" << error.what() << ")";
+      result.reasons.push_back(reason.str());
+      progress.Note(result.reasons.back());
+    }
+  }
+  return false;
+}
+
+// Fills in mesh, method and reasons.
+void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings& settings,
+               SurfaceMethod asked, Progress& progress, ReconstructedSurface& result) {
+  const MethodChoice choice = ChooseMethod(LookAtCloud(sources.measured), asked);
+  result.method = choice.method;
+  result.reasons.push_back(choice.reason);
+  if (choice.method == SurfaceMethod::kPoisson) {
+    if (TryPoisson(sources, settings, progress, result)) return;
+    if (asked == SurfaceMethod::kPoisson) throw Error("reconstruction: " + result.reasons.back());
+    result.reasons.emplace_back("wrap: poisson does not close what was scanned");
+    result.method = SurfaceMethod::kWrap;
+  }
+  result.mesh = MakeByWrap(sources, spacing_mm);
 }
 
 std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud& measured,
@@ -92,51 +193,46 @@ std::vector<float> MeasureConfidence(const TriangleMesh& mesh, const PointCloud&
 
 }  // namespace
 
-TriangleMesh ReconstructSurface(const PointCloud& object, double spacing_mm, int depth,
-                                Progress& progress) {
+ReconstructedSurface ReconstructSurface(const PointCloud& object, double spacing_mm,
+                                        const ReconstructionSettings& settings,
+                                        const FreeSpace& free, Progress& progress) {
   if (object.points.empty()) throw Error("reconstruction: there are no points");
-  PoissonSettings settings;
-  settings.depth = depth;
+  PoissonSettings poisson;
+  poisson.depth = settings.depth;
+  poisson.closed_below_mm = 0;
   // Cells much finer than the points' spacing hold nothing but noise, and tear the surface.
-  while (settings.depth > kShallowest &&
-         CellSize(object, settings) < kSmallestCellInSpacings * spacing_mm) {
-    --settings.depth;
+  while (poisson.depth > kShallowest &&
+         CellSize(object, poisson) < kSmallestCellInSpacings * spacing_mm) {
+    --poisson.depth;
   }
-  // PCL's extraction now and then loses edges where octree cells of different size meet, and the
-  // holes it leaves cannot always be closed. Another cube puts the cells elsewhere; larger cells
-  // bridge what was scanned thinly.
-  constexpr int kAttempts = 6;
-  constexpr double kScaleStep = 1.017;
-  progress.Start("reconstructing the surface", kAttempts + 2);
-  double cell_mm = 0;
-  PointCloud measured;
-  TriangleMesh surface;
-  int attempt = 1;
-  for (; surface.triangles.empty(); ++attempt) {
-    cell_mm = CellSize(object, settings);
-    measured = ConsolidatePoints(object, kVoxelInCells * cell_mm);
-    if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
-    try {
-      surface = ReconstructOnce(measured, settings, cell_mm);
-    } catch (const Error& error) {
-      // Only what the points cannot give is worth another cube; a failure of ours is not.
-      if (error.kind() == ErrorKind::kSystem || attempt == kAttempts) throw;
-      settings.cube_scale *= kScaleStep;
-      if (attempt > kAttempts / 2) settings.depth = std::max(kShallowest, settings.depth - 1);
-      progress.Note("attempt " + std::to_string(attempt) + " of " + std::to_string(kAttempts) +
-                    " left no closed surface (" + error.what() + "); trying again at depth " +
-                    std::to_string(settings.depth));
-    }
-    progress.Advance();
+  progress.Start("reconstructing the surface", 4);
+  ReconstructedSurface result;
+  result.cell_mm = CellSize(object, poisson);
+  PointCloud measured = ConsolidatePoints(object, kVoxelInCells * result.cell_mm);
+  if (measured.points.empty()) throw Error("reconstruction: no point is left after cleaning");
+  progress.Advance();
+  const PointCloud continuation = ContinueBelowPlatform(measured, result.cell_mm);
+  const Sources sources{measured, continuation, free, result.cell_mm};
+  MakeSolid(sources, spacing_mm, poisson, settings.method, progress, result);
+  progress.Advance();
+  const TriangleMesh solid = FlipTowardsDelaunay(result.mesh);
+  PointCloud of_wrap;
+  if (result.method == SurfaceMethod::kWrap) {
+    of_wrap = object;
+    TakeNormalsFrom(solid, of_wrap);
+    TakeNormalsFrom(solid, measured);
   }
-  progress.Advance(kAttempts + 1 - attempt);
-  surface = FitToPoints(FlipTowardsDelaunay(surface), object, cell_mm);
+  Untangled untangled = RemoveSelfIntersections(
+      FitToPoints(solid, result.method == SurfaceMethod::kWrap ? of_wrap : object, result.cell_mm));
+  result.mesh = std::move(untangled.mesh);
+  result.self_intersections = untangled.left;
   progress.Advance();
-  surface.normals = ComputeVertexNormals(surface);
-  surface.confidence = MeasureConfidence(
-      surface, measured, std::max(kReachInCells * cell_mm, kReachInSpacings * spacing_mm));
+  result.mesh.normals = ComputeVertexNormals(result.mesh);
+  result.mesh.confidence =
+      MeasureConfidence(result.mesh, measured,
+                        std::max(kReachInCells * result.cell_mm, kReachInSpacings * spacing_mm));
   progress.Advance();
-  return surface;
+  return result;
 }
 
 }  // namespace lfm

@@ -75,7 +75,12 @@ json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const G
   const SurfaceErrors surface = judge.MeasureSurface(mesh.surface);
   const SurfaceErrors decimated = judge.MeasureSurface(mesh.mesh);
   figures["surface_mean_mm"] = surface.mean_mm;
+  figures["surface_rms_mm"] = surface.rms_mm;
   figures["surface_p95_mm"] = surface.p95_mm;
+  figures["surface_max_mm"] = surface.max_mm;
+  figures["surface_accuracy"] = surface.accuracy;
+  figures["surface_completeness"] = surface.completeness;
+  figures["surface_f_score"] = surface.f_score;
   figures["mesh_mean_mm"] = decimated.mean_mm;
   figures["mesh_p95_mm"] = decimated.p95_mm;
   return figures;

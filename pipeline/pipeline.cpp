@@ -191,6 +191,23 @@ StageJob ScanJob(const Run& run) {
           }};
 }
 
+MeshResult MakeMesh(const Run& run, const CalibResult& calib) {
+  const ImageLoader photos = MakeImageLoader(run.capture);
+  if (run.capture.BringsGeometry()) {
+    return PrepareGivenMesh(ReadPlyMesh(run.capture.folder / run.capture.mesh), calib,
+                            run.options.mesh, run.progress, photos);
+  }
+  const ScanResult scan = LoadScan(run.workspace.Stage("scan"));
+  return BuildMesh(scan.points, SightsOf(scan, calib), calib, run.options.mesh, run.progress,
+                   photos);
+}
+
+std::string Lines(const std::vector<std::string>& lines) {
+  std::string joined;
+  for (const std::string& line : lines) joined += (joined.empty() ? "" : "; ") + line;
+  return joined;
+}
+
 StageJob MeshJob(const Run& run) {
   std::vector<fs::path> inputs = {run.workspace.Stage("calib") / "cameras.json",
                                   run.workspace.Stage("calib") / "poses.json"};
@@ -198,15 +215,12 @@ StageJob MeshJob(const Run& run) {
     inputs.push_back(run.capture.folder / run.capture.mesh);
   } else {
     inputs.push_back(run.workspace.Stage("scan") / "points.ply");
+    inputs.push_back(run.workspace.Stage("scan") / "rig.json");
   }
+  if (run.options.mesh.texture_weight > 0) inputs = Join(inputs, run.PhotoFiles());
   return {"mesh", ToJson(run.options.mesh), inputs, [&run](const fs::path& folder) -> json {
             const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
-            const MeshResult result =
-                run.capture.BringsGeometry()
-                    ? PrepareGivenMesh(ReadPlyMesh(run.capture.folder / run.capture.mesh), calib,
-                                       run.options.mesh, run.progress)
-                    : BuildMesh(LoadScan(run.workspace.Stage("scan")).points, calib,
-                                run.options.mesh, run.progress);
+            const MeshResult result = MakeMesh(run, calib);
             SaveMesh(result, folder);
             const MeshTopology topology = ExamineTopology(result.mesh);
             return {{"vertices", result.mesh.vertices.size()},
@@ -216,7 +230,14 @@ StageJob MeshJob(const Run& run) {
                     {"surface_closed_manifold", ExamineTopology(result.surface).closed},
                     {"pixel_mm", result.pixel_mm},
                     {"deviation_mean_mm", result.deviation_mean_mm},
-                    {"deviation_p95_mm", result.deviation_p95_mm}};
+                    {"deviation_p95_mm", result.deviation_p95_mm},
+                    {"deviation_max_mm", result.deviation_max_mm},
+                    {"expected_samples_per_triangle", result.samples_per_triangle},
+                    {"method", result.method},
+                    {"method_reason", Lines(result.reasons)},
+                    {"carved_points", result.carved_points},
+                    {"self_intersections",
+                     result.surface_self_intersections + result.mesh_self_intersections}};
           }};
 }
 

@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "core/ply.h"
 #include "core/ray_scene.h"
+#include "mesh/surface_comparison.h"
 #include "mesh/surface_distance.h"
 
 namespace lfm {
@@ -184,12 +185,11 @@ SurfaceErrors GeometryJudge::MeasureSurface(const TriangleMesh& mesh) const {
         if (state_->SeenByScanner(closest->point, normal)) to_truth[i] = closest->distance;
       },
       64);
-  for (double d : to_truth) {
-    if (d >= 0) distances.push_back(d);
-  }
+  std::erase_if(to_truth, [](double d) { return d < 0; });
   if (distances.empty()) throw Error("ground truth: no scan sees the object");
-  const DistanceStatistics statistics = SummarizeDistances(std::move(distances));
-  return {statistics.mean, statistics.p95};
+  const SurfaceComparison c =
+      CompareDistances(std::move(to_truth), std::move(distances), kSurfaceThreshold_mm);
+  return {c.both.mean, c.both.rms, c.both.p95, c.both.max, c.accuracy, c.completeness, c.f_score};
 }
 
 }  // namespace lfm

@@ -61,10 +61,13 @@ struct PointErrors {
 };
 
 /// Distances between a reconstructed surface and the true one, both directions together, where the
-/// true surface is seen by camera and projector in some scan.
+/// true surface is seen by camera and projector in some scan. Accuracy, completeness and their
+/// harmonic mean are shares within kSurfaceThreshold_mm (mesh/surface_comparison.h).
 struct SurfaceErrors {
-  double mean_mm = 0, p95_mm = 0;
+  double mean_mm = 0, rms_mm = 0, p95_mm = 0, max_mm = 0;
+  double accuracy = 0, completeness = 0, f_score = 0;
 };
+inline constexpr double kSurfaceThreshold_mm = 0.2;
 
 /// Compares geometry with the truth; the visibility of the true surface is found once.
 class GeometryJudge {

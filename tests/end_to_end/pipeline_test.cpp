@@ -111,7 +111,12 @@ TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
                                                             {"points_completeness", 0.6, 1},
                                                             {"seen_share", 0.6, 1},
                                                             {"surface_mean_mm", 0, 0.6},
+                                                            {"surface_rms_mm", 0, 3},
                                                             {"surface_p95_mm", 0, 2},
+                                                            {"surface_max_mm", 0, 30},
+                                                            {"surface_accuracy", 0.3, 1},
+                                                            {"surface_completeness", 0.3, 1},
+                                                            {"surface_f_score", 0.3, 1},
                                                             {"mesh_mean_mm", 0, 0.9},
                                                             {"mesh_p95_mm", 0, 2.6},
                                                             {"heldout_psnr_noisefree_db", 20, 60}};

@@ -43,6 +43,20 @@ TEST(EdgeQuality, AnglesGrowErrorShrinksTopologyStays) {
   EXPECT_LT(error_after, 1.05 * error_before);
 }
 
+// Six triangles about a vertex is the mean on a torus; few have many more or fewer.
+TEST(EdgeQuality, ValencesStayNearSix) {
+  const TriangleMesh mesh = ImproveTorus().after;
+  std::vector<int> valence(mesh.vertices.size(), 0);
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++valence[t[k]];
+  }
+  EXPECT_GE(*std::min_element(valence.begin(), valence.end()), 3);
+  EXPECT_LE(*std::max_element(valence.begin(), valence.end()), 9);
+  const auto near_six =
+      std::count_if(valence.begin(), valence.end(), [](int n) { return n >= 5 && n <= 7; });
+  EXPECT_GT(static_cast<double>(near_six), 0.93 * static_cast<double>(valence.size()));
+}
+
 TEST(EdgeQuality, FlipsMakeALongQuadDelaunay) {
   TriangleMesh mesh;  // a rhombus with the long diagonal
   mesh.vertices = {{-3, 0, 0}, {3, 0, 0}, {0, 1, 0}, {0, -1, 0}};

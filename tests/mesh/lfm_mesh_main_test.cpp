@@ -6,6 +6,7 @@
 #include "calib/calib_files.h"
 #include "core/atomic_file.h"
 #include "core/capture.h"
+#include "core/json_reader.h"
 #include "core/ply.h"
 #include "mesh/mesh_files.h"
 #include "tests/mesh/test_shapes.h"
@@ -77,6 +78,35 @@ TEST(MeshCommand, CaptureThatBringsItsMesh) {
   const CommandOutcome outcome = workspace.Run();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(LoadMesh(workspace.work / "mesh").mesh.triangles.size(), 1280u);
+}
+
+// A cloud from elsewhere: neither normals nor a scan's record.
+TEST(MeshCommand, PointsOfOnesOwnComparedAndSwept) {
+  const Workspace workspace;
+  PointCloud bare = test::MeasureCloud(test::MakeSphere(30, 4, {0, 0, 30}), 20000);
+  bare.normals.clear();
+  bare.confidence.clear();
+  const auto points = workspace.scratch.folder / "bare.ply";
+  const auto reference = workspace.scratch.folder / "reference.ply";
+  WritePly(bare, points);
+  WritePly(test::MakeSphere(30, 5, {0, 0, 30}), reference);
+  std::filesystem::remove_all(workspace.work / "scan");
+  const CommandOutcome outcome =
+      workspace.Run({"--poisson-depth", "5", "--points", points.string(), "--triangle-count", "600",
+                     "--reference", reference.string(), "--threshold-mm", "0.4", "--sweep"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto folder = workspace.work / "mesh";
+  const nlohmann::json record = ReadJson(folder / "mesh.json");
+  EXPECT_EQ(record["method"], "poisson");
+  EXPECT_GT(record["deviation_max_mm"], record["deviation_p95_mm"]);
+  const nlohmann::json comparison = ReadJson(folder / "comparison.json");
+  EXPECT_EQ(comparison["threshold_mm"], 0.4);
+  // The base, a tenth of the ball, was not seen and is closed flat.
+  EXPECT_GT(comparison["completeness"], 0.87);
+  EXPECT_LT(comparison["completeness"], 0.95);
+  EXPECT_GT(comparison["f_score"], 0.85);
+  EXPECT_GT(std::filesystem::file_size(folder / "sweep.csv"), 200u);
+  EXPECT_GT(std::filesystem::file_size(folder / "sweep.svg"), 1000u);
 }
 
 TEST(MeshCommand, BadInputIsOneLineAndStatusTwo) {

@@ -27,6 +27,12 @@ MeshResult MakeResult() {
   result.pixel_mm = 0.23;
   result.deviation_mean_mm = 0.04;
   result.deviation_p95_mm = 0.11;
+  result.deviation_max_mm = 0.37;
+  result.samples_per_triangle = 42.5;
+  result.method = "wrap";
+  result.reasons = {"wrap: as asked", "and why not"};
+  result.carved_points = 17;
+  result.mesh_self_intersections = 2;
   return result;
 }
 
@@ -42,6 +48,13 @@ TEST(MeshFiles, WhatIsSavedIsLoaded) {
   EXPECT_EQ(loaded.pixel_mm, saved.pixel_mm);
   EXPECT_EQ(loaded.deviation_mean_mm, saved.deviation_mean_mm);
   EXPECT_EQ(loaded.deviation_p95_mm, saved.deviation_p95_mm);
+  EXPECT_EQ(loaded.deviation_max_mm, saved.deviation_max_mm);
+  EXPECT_EQ(loaded.samples_per_triangle, saved.samples_per_triangle);
+  EXPECT_EQ(loaded.method, saved.method);
+  EXPECT_EQ(loaded.reasons, saved.reasons);
+  EXPECT_EQ(loaded.carved_points, saved.carved_points);
+  EXPECT_EQ(loaded.surface_self_intersections, 0);
+  EXPECT_EQ(loaded.mesh_self_intersections, 2);
 }
 
 TEST(MeshFiles, SameResultSameBytes) {
@@ -82,8 +95,10 @@ TEST(MeshFiles, HostileFiguresAreRefused) {
   EXPECT_NE(with("0.23", "-1"), "");
   EXPECT_NE(with("0.23", "1e999"), "");
   EXPECT_NE(with("\"pixel_mm\"", "\"pixel\""), "");
-  EXPECT_NE(with("\"version\": 1", "\"version\": 2"), "");
+  EXPECT_NE(with("\"version\": 2", "\"version\": 1"), "");
   EXPECT_NE(with("1280", "1281"), "");
+  EXPECT_NE(with("\"carved_points\": 17", "\"carved_points\": -1"), "");
+  EXPECT_NE(with("\"method\": \"wrap\"", "\"method\": 3"), "");
 }
 
 TEST(MeshFiles, MixedUpMeshesAreNoticed) {

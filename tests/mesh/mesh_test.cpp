@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "mesh/surface_distance.h"
+#include "mesh/error_bound.h"
+#include "mesh/self_intersection.h"
 #include "tests/mesh/test_shapes.h"
 
 namespace lfm {
@@ -30,13 +31,14 @@ MeshOptions Coarse() {
 }
 
 MeshResult Build(const MeshOptions& options, const PointCloud& cloud = Capture()) {
-  return BuildMesh(cloud, test::MakeCalib(24, 300, 30), options, SilentProgress());
+  return BuildMesh(cloud, {}, test::MakeCalib(24, 300, 30), options, SilentProgress());
 }
 
 TEST(BuildMesh, CoarsestMeshWithinHalfAPixel) {
   const MeshResult result = Build(Coarse());
   for (const TriangleMesh* mesh : {&result.surface, &result.mesh}) {
     EXPECT_TRUE(test::IsClosedManifold(*mesh));
+    EXPECT_TRUE(FindSelfIntersections(*mesh).empty());
     EXPECT_EQ(ExamineTopology(*mesh).components, 1);
     EXPECT_EQ(mesh->confidence.size(), mesh->vertices.size());
     EXPECT_EQ(mesh->normals.size(), mesh->vertices.size());
@@ -66,13 +68,19 @@ TEST(BuildMesh, OtherTargets) {
   options.triangle_count = 700;
   EXPECT_NEAR(static_cast<double>(Build(options).mesh.triangles.size()), 700, 20);
 
+  // At one of the sizes that resampling has.
   options = Coarse();
-  options.samples_per_triangle = 314;
-  const MeshResult result = Build(options);
-  const double mean_samples = test::TotalArea(result.mesh) /
-                              static_cast<double>(result.mesh.triangles.size()) /
-                              (result.pixel_mm * result.pixel_mm);
-  EXPECT_NEAR(mean_samples, 314, 0.05 * 314);
+  options.samples_per_triangle = 91;
+  const MeshResult samples = Build(options);
+  EXPECT_NEAR(samples.samples_per_triangle, 91, 0.05 * 91);
+
+  options = Coarse();
+  options.max_error_mm = 0.4;
+  const MeshResult bounded = Build(options);
+  EXPECT_LE(bounded.deviation_max_mm, 0.4);
+  EXPECT_TRUE(IsWithin(bounded.mesh, bounded.surface, RayScene(bounded.surface), 0.4));
+  EXPECT_TRUE(IsWithin(bounded.surface, bounded.mesh, RayScene(bounded.mesh), 0.4));
+  EXPECT_LT(bounded.mesh.triangles.size(), bounded.surface.triangles.size() / 3);
 }
 
 // From so near that, if test photographs had a say, the object's top would lie beyond the cameras.
@@ -86,7 +94,7 @@ TEST(BuildMesh, TestPhotographsHaveNoSay) {
     }
     MeshOptions options = Coarse();
     options.poisson_depth = 5;
-    return BuildMesh(cloud, calib, options, SilentProgress());
+    return BuildMesh(cloud, {}, calib, options, SilentProgress());
   };
   const MeshResult far = build(310), near = build(32);
   EXPECT_TRUE(far.surface.vertices == near.surface.vertices);
@@ -121,7 +129,20 @@ TEST(BuildMesh, BadInput) {
   MeshOptions options;
   options.poisson_depth = 99;
   EXPECT_NE(ErrorOf([&] { Build(options); }).find("poisson-depth"), std::string::npos);
-  EXPECT_NE(ErrorOf([&] { BuildMesh(Capture(5000), {}, Coarse(), SilentProgress()); }), "");
+  EXPECT_NE(ErrorOf([&] { BuildMesh(Capture(5000), {}, {}, Coarse(), SilentProgress()); }), "");
+}
+
+TEST(BuildMesh, CloudWithoutNormals) {
+  PointCloud bare = Capture();
+  bare.normals.clear();
+  bare.confidence.clear();
+  const MeshResult result = Build(Coarse(), bare);
+  EXPECT_EQ(result.method, "poisson");
+  for (const Eigen::Vector3d& v : result.surface.vertices) {
+    if (v.z() > 6) {
+      EXPECT_NEAR((v - kCenter).norm(), 30, 0.5);
+    }
+  }
 }
 
 CalibResult GivenCalib() { return test::MakeCalib(24, 300, 30); }

@@ -135,7 +135,14 @@ TEST(GeometryJudge, MeasuresAConcentricSphere) {
   constexpr double kFacets_abs = 0.03;
   EXPECT_NEAR(errors.mean_mm, 0.25, kFacets_abs);
   EXPECT_NEAR(errors.p95_mm, 0.25, 2 * kFacets_abs);
-  EXPECT_NEAR(judge.MeasureSurface(Sphere(40)).mean_mm, 0, kFacets_abs);
+  EXPECT_NEAR(errors.rms_mm, 0.25, kFacets_abs);
+  EXPECT_GE(errors.max_mm, errors.p95_mm);
+  EXPECT_LT(errors.f_score, 0.2);  // it lies beyond the threshold of 0.2 mm
+  const SurfaceErrors none = judge.MeasureSurface(Sphere(40));
+  EXPECT_NEAR(none.mean_mm, 0, kFacets_abs);
+  EXPECT_EQ(none.accuracy, 1);
+  EXPECT_EQ(none.completeness, 1);
+  EXPECT_EQ(none.f_score, 1);
 }
 
 TEST(GeometryJudge, CountsTheMissingHalfAsIncomplete) {

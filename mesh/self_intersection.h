@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+
+namespace lfm {
+
+/// Pairs of triangles that meet elsewhere than in the corners and edges that they share, ascending;
+/// a triangle without area is paired with itself. Exact predicates (CGAL). Throws Error for an
+/// invalid mesh or one that is not an oriented manifold.
+std::vector<std::pair<int, int>> FindSelfIntersections(const TriangleMesh& mesh);
+
+struct Untangled {
+  TriangleMesh mesh;  ///< vertices and triangles only
+  int found = 0;      ///< pairs before
+  int left = 0;       ///< pairs that could not be parted
+};
+
+/// Parts triangles that meet: the vertices about them, in rings that widen from round to round, go
+/// halfway to the middle of their neighbours, at most twelve rounds. Vertices at z = 0 keep that
+/// height. Everything else stays as it is; the triangles' number and joints too.
+Untangled RemoveSelfIntersections(const TriangleMesh& mesh);
+
+}  // namespace lfm

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/self_intersection.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tests/mesh/test_shapes.h"
+
+namespace lfm {
+namespace {
+
+TEST(SelfIntersection, SoundShapesHaveNone) {
+  EXPECT_TRUE(FindSelfIntersections(test::MakeSphere(30, 3)).empty());
+  EXPECT_TRUE(FindSelfIntersections(test::MakeTorus(30, 10, 10, 40, 20)).empty());
+  EXPECT_TRUE(FindSelfIntersections(test::MakeBox({0, 0, 0}, {1, 2, 3}, 3)).empty());
+}
+
+TEST(SelfIntersection, ASpikeThroughTheBallIsFoundAndTakenBack) {
+  TriangleMesh mesh = test::MakeSphere(30, 3, {0, 0, 40});
+  mesh.vertices[7] =
+      2 * Eigen::Vector3d(0, 0, 40) - 1.2 * (mesh.vertices[7] - Eigen::Vector3d(0, 0, 40));
+  EXPECT_FALSE(FindSelfIntersections(mesh).empty());
+  const Untangled untangled = RemoveSelfIntersections(mesh);
+  EXPECT_GT(untangled.found, 0);
+  EXPECT_EQ(untangled.left, 0);
+  EXPECT_TRUE(FindSelfIntersections(untangled.mesh).empty());
+  EXPECT_TRUE(untangled.mesh.triangles == mesh.triangles);
+  EXPECT_TRUE(test::IsClosedManifold(untangled.mesh));
+  EXPECT_GT(SignedVolume(untangled.mesh), 0.9 * SignedVolume(test::MakeSphere(30, 3)));
+}
+
+TEST(SelfIntersection, VerticesOnThePlatformStayThere) {
+  TriangleMesh mesh = test::MakeBox({-10, -10, 0}, {10, 10, 20}, 4);
+  for (Eigen::Vector3d& v : mesh.vertices) {
+    if (v == Eigen::Vector3d(0, 0, 20)) v.z() = -5;
+  }
+  const Untangled untangled = RemoveSelfIntersections(mesh);
+  EXPECT_EQ(untangled.left, 0);
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    EXPECT_EQ(mesh.vertices[v].z() == 0, untangled.mesh.vertices[v].z() == 0);
+  }
+}
+
+TEST(SelfIntersection, NoManifoldNoAnswer) {
+  TriangleMesh fin = test::MakeSphere(30, 1);
+  fin.vertices.emplace_back(0, 0, 100);
+  fin.triangles.emplace_back(fin.triangles[0][0], fin.triangles[0][1],
+                             static_cast<int>(fin.vertices.size()) - 1);
+  EXPECT_THROW(FindSelfIntersections(fin), Error);
+  EXPECT_THROW(FindSelfIntersections({}), Error);
+}
+
+}  // namespace
+}  // namespace lfm
