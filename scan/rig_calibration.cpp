@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "scan/projector_resection.h"
 #include "scan/rig_adjustment.h"
 
@@ -80,23 +82,27 @@ int ChooseLensTerms(const RigState& start, const std::vector<PlatePlacement>& pl
   if (count < 3) return 0;
   const std::vector<PlateCorrespondence> some =
       EveryNth(all, std::max<size_t>(1, all.size() / (kHeldOutPoints * count)));
+  std::vector<double> errors(kLensModels.size() * count);
+  ParallelFor(0, static_cast<int64_t>(errors.size()), [&](int64_t i) {
+    const size_t trial = static_cast<size_t>(i), left_out = trial % count;
+    RigData data{placements, some, std::vector<bool>(count, true)};
+    data.included[left_out] = false;
+    // The left-out placement stands where it was known to stand, whatever fits moved it.
+    RigState without = start;
+    without.platforms[left_out] = placements[left_out].camera_from_world;
+    const RigState state =
+        AdjustRig(without, data, {.projector_terms = kLensModels[trial / count]}, options);
+    errors[trial] = HeldOutError(state, some, static_cast<int>(left_out));
+  });
   double best_error = 0;
   int best_terms = 0;
-  for (int terms : kLensModels) {
-    double error = 0;
-    for (size_t left_out = 0; left_out < count; ++left_out) {
-      RigData data{placements, some, std::vector<bool>(count, true)};
-      data.included[left_out] = false;
-      // The left-out placement stands where it was known to stand, whatever fits moved it.
-      RigState without = start;
-      without.platforms[left_out] = placements[left_out].camera_from_world;
-      const RigState state = AdjustRig(without, data, {.projector_terms = terms}, options);
-      error += HeldOutError(state, some, static_cast<int>(left_out));
-    }
-    error /= static_cast<double>(count);
-    if (terms == 0 || error < std::min(kLensGain * best_error, best_error - kLensGainPx2)) {
+  for (size_t model = 0; model < kLensModels.size(); ++model) {
+    const auto begin = errors.begin() + static_cast<std::ptrdiff_t>(model * count);
+    const double error = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(count), 0.0) /
+                         static_cast<double>(count);
+    if (model == 0 || error < std::min(kLensGain * best_error, best_error - kLensGainPx2)) {
       best_error = error;
-      best_terms = terms;
+      best_terms = kLensModels[model];
     }
   }
   return best_terms;
@@ -198,7 +204,9 @@ RigAdjustment CalibrateRig(const Camera& camera, int projector_width, int projec
         "(condition number " +
         std::to_string(condition) + ")" + kTiltAdvice);
   }
-  const int terms = ChooseLensTerms(state, placements, correspondences, options);
+  const int terms = options.lens_terms
+                        ? *options.lens_terms
+                        : ChooseLensTerms(state, placements, correspondences, options);
   if (terms > 0) state = AdjustRig(state, data, {.projector_terms = terms}, options);
   const FitStatistics statistics = Statistics(state, correspondences, options);
   RigAdjustment result;

@@ -20,6 +20,8 @@ struct RigCalibrationOptions {
   /// Least thickness of the platform points' cloud, relative to its width: below, they lie in one
   /// plane as far as anyone can tell.
   double min_thickness = 0.01;
+  /// Of k1, k2, p1, p2; none: as many as placements kept out of the fit ask for.
+  std::optional<int> lens_terms = std::nullopt;
 };
 
 /// A rig fitted to placements, and how.

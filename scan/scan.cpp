@@ -127,11 +127,12 @@ std::vector<TurntableReport> ReportRuns(const std::vector<TurntableRun>& runs,
   return reports;
 }
 
-RigCalibration Calibrated(const Capture& capture, const Camera& camera, const Sets& placements) {
+RigCalibration Calibrated(const Capture& capture, const Camera& camera, const Sets& placements,
+                          const RigCalibrationOptions& options) {
   RigEvidence evidence;
   for (const DecodedSet& s : placements.usable) AddEvidence(s, evidence);
   return CalibrateRig(camera, capture.scanner->projector_width, capture.scanner->projector_height,
-                      evidence.placements, evidence.correspondences, {})
+                      evidence.placements, evidence.correspondences, options)
       .rig;
 }
 
@@ -158,11 +159,12 @@ void RemoveRaster(double gain, Sets& sets) {
 /// without the projector's raster.
 RigCalibration StartRig(const Capture& capture, const Camera& camera,
                         const std::optional<KnownRig>& known, Sets& placements) {
-  RigCalibration rig =
-      known ? RigFromKnown(*known, capture) : Calibrated(capture, camera, placements);
+  // Which lens terms the projector needs is asked once, without the raster.
+  RigCalibration rig = known ? RigFromKnown(*known, capture)
+                             : Calibrated(capture, camera, placements, {.lens_terms = 4});
   const double gain = RasterGain(rig, placements);
   RemoveRaster(gain, placements);
-  if (!known && gain > 0) rig = Calibrated(capture, camera, placements);
+  if (!known) rig = Calibrated(capture, camera, placements, {});
   rig.raster_gain = gain;
   return rig;
 }

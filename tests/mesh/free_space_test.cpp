@@ -87,8 +87,8 @@ TEST(FreeSpace, ExtremesKnowNothing) {
 TEST(SightsOf, FollowTheScansInOrder) {
   ScanResult scan;
   scan.scans.resize(2);
-  scan.scans[0] = {"a", Wall()};
-  scan.scans[1] = {"b", Wall()};
+  scan.scans[0] = {"a", Wall(), Pose()};
+  scan.scans[1] = {"b", Wall(), Pose()};
   for (int i = 0; i < 2; ++i) {
     const PointCloud wall = Wall();
     scan.points.points.insert(scan.points.points.end(), wall.points.begin(), wall.points.end());
