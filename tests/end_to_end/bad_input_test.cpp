@@ -137,8 +137,9 @@ TEST(BadInput, AnEmptyCloudIsRefusedWithACure) {
   WritePly(PointCloud{}, small.work() / "scan" / "points.ply");
   const CommandOutcome outcome = RunCommand(
       {SmallCapture::Command("lfm-mesh"), small.capture().string(), small.work().string(), "-q"});
-  ExpectInputError(outcome, {"lfm-mesh: error:", "it is empty", "check that the scans decode",
-                             "scan/points.ply"});
+  ExpectInputError(outcome,
+                   {"lfm-mesh: error:", "scan/points.ply: holds 0 points where rig.json says",
+                    "run lfm-scan again"});
   EXPECT_FALSE(fs::exists(small.work() / "mesh" / "mesh.ply"));
 }
 
