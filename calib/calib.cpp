@@ -215,7 +215,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
                 ": no pictures; list at least three photographs of the platform");
   }
   const Studio studio{board, load_image, checked, progress};
-  pictures = FindBoards(std::move(pictures), board, load_image, progress);
+  pictures = FindBoards(std::move(pictures), board, load_image, checked.start, progress);
   const ExifReader read_exif = [&](const std::string& file) {
     return ReadExifCamera(capture.folder / file);
   };

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "calib/bundle_adjustment.h"
+#include "calib/circle_match.h"
 #include "calib/tag_detection.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -23,28 +24,14 @@ constexpr int kMinRoughCorners = 4;
 // A coarse look is quick and loses some corners in a hundred: too many where there are few.
 constexpr size_t kManyCorners = 64;
 
-// Left and right exchanged; 8 bits do for tags.
-Image MirrorImage(const Image& image) {
-  const Image picture = ToSrgb8(image);
-  Image mirrored = picture;
-  const int channels = picture.channels();
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) {
-      for (int c = 0; c < channels; ++c) {
-        mirrored.At<uint8_t>(x, y, c) = picture.At<uint8_t>(picture.width() - 1 - x, y, c);
-      }
-    }
-  }
-  return mirrored;
-}
-
 CalibPicture FindBoard(CalibPicture picture, const Board& board, const ImageLoader& load_image,
-                       TagDetector& detector) {
+                       BoardSearch start, TagDetector& detector) {
   try {
     const Image image = load_image(picture.file);
     picture.width = image.width(), picture.height = image.height();
     const std::vector<TagDetection> tags = detector.Detect(image);
-    std::variant<BoardMatch, BoardMismatch> match = MatchBoard(board, tags);
+    std::variant<BoardMatch, BoardMismatch> match =
+        ChooseMatch(MatchBoard(board, tags), board, image, start);
     if (const BoardMismatch* mismatch = std::get_if<BoardMismatch>(&match)) {
       picture.rejected = mismatch->reason;
       if (tags.empty() && !detector.Detect(MirrorImage(image)).empty()) {
@@ -88,15 +75,16 @@ BundleView ViewOfCorners(const CalibPicture& picture,
 }
 
 std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
-                                     const ImageLoader& load_image, Progress& progress) {
+                                     const ImageLoader& load_image, BoardSearch start,
+                                     Progress& progress) {
   progress.Start("finding tags", static_cast<int64_t>(pictures.size()));
   ParallelChunks(static_cast<int64_t>(pictures.size()), kPicturesPerDetector,
                  [&](int64_t begin, int64_t end, int64_t) {
-                   TagDetector detector(board.family);
+                   TagDetector detector(board.family, board.border_cells);
                    for (int64_t i = begin; i < end; ++i) {
                      CalibPicture& picture = pictures[static_cast<size_t>(i)];
                      if (picture.InUse()) {
-                       picture = FindBoard(std::move(picture), board, load_image, detector);
+                       picture = FindBoard(std::move(picture), board, load_image, start, detector);
                      }
                      progress.Advance();
                    }

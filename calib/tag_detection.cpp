@@ -21,10 +21,10 @@ using Detections = std::unique_ptr<zarray_t, void (*)(zarray_t*)>;
 }  // namespace
 
 struct TagDetector::State {
-  explicit State(const std::string& family_name)
-      : family(family_name, "tag detector"),
+  State(const std::string& family_name, int border_cells)
+      : family(family_name, border_cells, "tag detector"),
         detector(apriltag_detector_create(), apriltag_detector_destroy) {
-    apriltag_detector_add_family(detector.get(), family.get());
+    apriltag_detector_add_family_bits(detector.get(), family.get(), family.correctable_bits());
     detector->nthreads = 1;
     // Oblique tags are a few pixels high: decimation loses them.
     detector->quad_decimate = 1;
@@ -35,7 +35,8 @@ struct TagDetector::State {
   std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector;
 };
 
-TagDetector::TagDetector(const std::string& family) : state_(std::make_unique<State>(family)) {}
+TagDetector::TagDetector(const std::string& family, int border_cells)
+    : state_(std::make_unique<State>(family, border_cells)) {}
 TagDetector::~TagDetector() = default;
 TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;

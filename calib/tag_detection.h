@@ -14,8 +14,9 @@ namespace lfm {
 /// One tag seen in a picture.
 struct TagDetection {
   int id = 0;
-  /// The black square's corners in the order of `Board::TagCorners`: top-left, top-right,
-  /// bottom-right, bottom-left of the tag as printed. Pixels, centre of the top-left pixel (0, 0).
+  /// The detected square's corners (`Board`) in the order of `Board::TagCorners`: top-left,
+  /// top-right, bottom-right, bottom-left of the tag as printed. Pixels, centre of the top-left
+  /// pixel (0, 0).
   std::array<Eigen::Vector2d, 4> corners;
 };
 
@@ -26,8 +27,8 @@ struct TagDetection {
 /// into black. One object serves one thread at a time; making one takes some tens of milliseconds.
 class TagDetector {
  public:
-  /// Throws Error when the family is unknown.
-  explicit TagDetector(const std::string& family);
+  /// Throws Error when the family is unknown or has no such border.
+  explicit TagDetector(const std::string& family, int border_cells = 1);
   ~TagDetector();
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;

@@ -69,7 +69,8 @@ class Studio {
         seed_(static_cast<uint64_t>(options.seed)),
         sag_mm_(options.trouble.platform.plate_sag_mm),
         sensor_(MakeSensor(options)),
-        board_(PrintedBoard(DefaultBoard(), options.trouble.platform, seed_)),
+        nominal_(options.board.empty() ? DefaultBoard() : ReadBoard(options.board)),
+        board_(PrintedBoard(nominal_, options.trouble.platform, seed_)),
         reflectance_(board_) {}
 
   StudioResult Run() {
@@ -83,6 +84,7 @@ class Studio {
     TakePhotos();
     if (options_.scans > 0 || options_.placements > 0) ScanObject();
     result_.mesh = std::move(subject_.mesh);
+    result_.board = nominal_;
     result_.printed = board_;
     return std::move(result_);
   }
@@ -264,7 +266,7 @@ class Studio {
   uint64_t seed_;
   double sag_mm_;
   Sensor sensor_;
-  Board board_;  // as printed
+  Board nominal_, board_;  // as designed, as printed
   SetReflectance reflectance_;
   std::optional<SceneDescription> scene_description_;  // none: the subject is painted
   Subject subject_;
@@ -355,7 +357,7 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   WriteStudioReport(options, result.report, truth.folder / "studio.json");
   NoteReport(result.report, progress);
   SaveCapture(truth);
-  WriteBoard(DefaultBoard(), folder / capture.board);
+  WriteBoard(result.board, folder / capture.board);
   SaveCapture(capture);
 }
 
