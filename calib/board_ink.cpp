@@ -52,6 +52,12 @@ std::vector<std::vector<Vertex>> OutlineCells(const std::vector<uint8_t>& cells,
       loop.push_back(at);
       at = next;
     } while (at != start);
+    // The start is a corner: it is the least of its loop's points. The last point need not be.
+    const Vertex &before = loop[loop.size() - 2], &last = loop.back();
+    if ((before.first == last.first && last.first == start.first) ||
+        (before.second == last.second && last.second == start.second)) {
+      loop.pop_back();
+    }
     loops.push_back(std::move(loop));
   }
   return loops;

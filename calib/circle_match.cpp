@@ -119,7 +119,26 @@ Assignment AssignByHomography(const Board& board, const std::vector<DetectedCirc
   return assignment;
 }
 
-// Grows a guess until the same circles agree; no answer when fewer than four do.
+// Circles in whose place a disc of another colour is seen.
+int CountContradictions(const Board& board, const std::vector<DetectedCircle>& seen,
+                        const Eigen::Matrix3d& h) {
+  int contradictions = 0;
+  for (const BoardCircle& circle : board.circles) {
+    const EllipseView view = ViewCircle(h, circle);
+    const double area = view.shape.determinant();
+    if (!view.center.allFinite() || !(area > 0)) continue;
+    const double near = kMaxErrorInDiameters * 2 * std::sqrt(std::sqrt(area));
+    contradictions += std::any_of(seen.begin(), seen.end(), [&](const DetectedCircle& s) {
+      const double ratio = std::sqrt(std::sqrt(s.shape.determinant() / area));
+      return s.color != circle.color && (view.center - s.center).norm() < near &&
+             ratio < kMaxSizeRatio && ratio > 1 / kMaxSizeRatio;
+    });
+  }
+  return contradictions;
+}
+
+// Grows a guess until the same circles agree; no answer when fewer than four do, or too many
+// others are there in another colour.
 std::optional<Assignment> Consolidate(const Board& board, const std::vector<DetectedCircle>& seen,
                                       Assignment assignment) {
   std::vector<Eigen::Vector2d> pixels;
@@ -129,7 +148,10 @@ std::optional<Assignment> Consolidate(const Board& board, const std::vector<Dete
     // A mirrored plate is not one seen from above.
     if (!h || !(h->determinant() * (*h)(2, 2) < 0)) return std::nullopt;
     Assignment next = AssignByHomography(board, seen, *h);
-    if (next == assignment) return assignment;
+    if (next == assignment) {
+      if (2 * CountContradictions(board, seen, *h) > CountAssigned(assignment)) return std::nullopt;
+      return assignment;
+    }
     assignment = std::move(next);
   }
   return std::nullopt;

@@ -31,7 +31,8 @@ EllipseView ViewCircle(const Eigen::Matrix3d& pixel_from_board, const BoardCircl
 /// the rotation); the homography of all that agree is fitted to ellipse centres less their
 /// perspective bias. Detections that fit nothing are passed over. At most 20 000 pairs are tried.
 ///
-/// Mismatch when fewer than four circles agree. The match's points are circle centres.
+/// Mismatch when fewer than four circles agree, or discs of another colour stand in the places of
+/// more than half as many. The match's points are circle centres.
 std::variant<BoardMatch, BoardMismatch> MatchCircles(const Board& board,
                                                      const std::vector<DetectedCircle>& detections);
 

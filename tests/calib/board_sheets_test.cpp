@@ -256,20 +256,23 @@ TEST(BoardSheets, RasterisedPdfShowsTheTagsWhereTheBoardSays) {
   const ScratchFolder scratch;
   const Board board = DefaultBoard();
   WriteFileAtomically(scratch.folder / "board.pdf",
-                      PdfOfPages(LayOutSheets(board, {}), board.name));
-  constexpr double kDpi = 150;
+                      PdfOfPages(LayOutSheets(board, {.paper = Paper::kCustom,
+                                                      .paper_width_mm = 260,
+                                                      .paper_height_mm = 260}),
+                                 board.name));
+  constexpr double kDpi = 250;
   const CommandOutcome outcome =
-      RunCommand({"/usr/bin/pdftoppm", "-r", "150", "-png", "-singlefile",
+      RunCommand({"/usr/bin/pdftoppm", "-r", "250", "-png", "-singlefile",
                   (scratch.folder / "board.pdf").string(), (scratch.folder / "page").string()});
   if (outcome.status == 127) GTEST_SKIP() << "pdftoppm (package poppler-utils) is not installed";
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Image page = ReadImage(scratch.folder / "page.png");
-  EXPECT_EQ(page.width(), std::ceil(297 / 25.4 * kDpi));
+  EXPECT_EQ(page.width(), std::ceil(260 / 25.4 * kDpi));
   TagDetector detector(board.family);
   const std::vector<TagDetection> tags = detector.Detect(page);
   ASSERT_EQ(tags.size(), board.tags.size());
-  // Distances from the first tag's corners, in mm: the detector is off by parts of a pixel (0.17
-  // mm), alike for all.
+  // Distances from the first tag's corners, in mm: the readers are off by parts of a pixel (0.1
+  // mm).
   constexpr double kPrint_abs = 0.06, kMean_rel = 2e-4;
   const double mm = 25.4 / kDpi;
   const auto expected_first = board.TagCorners(board.tags[0]);

@@ -60,6 +60,13 @@ TEST_F(KalibrGrid, ItsPictureIsDetectedAndMatched) {
   const auto match = MatchBoard(board, detector.Detect(DrawBoard(board, 1)));
   ASSERT_TRUE(std::holds_alternative<BoardMatch>(match));
   EXPECT_EQ(std::get<BoardMatch>(match).tags, 30);
+  const BoardMatch& found = std::get<BoardMatch>(match);
+  constexpr double kCorner_abs = 0.5;  // px
+  for (size_t i = 0; i < found.pixels.size(); ++i) {
+    const Eigen::Vector2d expected(found.points_mm[i].x() + board.width_mm / 2 - 0.5,
+                                   board.height_mm / 2 - found.points_mm[i].y() - 0.5);
+    EXPECT_LT((found.pixels[i] - expected).norm(), kCorner_abs);
+  }
 }
 
 TEST_F(KalibrGrid, RoundTrip) {

@@ -69,6 +69,8 @@ TEST(TagFamily, ABorderOfTwoCellsIsDetectedAsSuchOnly) {
   for (const char* name : {"tag36h11", "tag25h9", "tag16h5"}) {
     const Board board = FourTags(name, 2);
     ExpectDetectedFromItsPicture(board);
+    // A short code is found anywhere: four detections say nothing there.
+    if (board.family == "tag16h5") continue;
     TagDetector narrow(board.family, 1);
     EXPECT_LT(narrow.Detect(DrawBoard(board, 2.5)).size(), 4u) << name;
   }
