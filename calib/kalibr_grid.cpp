@@ -20,8 +20,8 @@ constexpr double kMaxTagSizeMetres = 5;
 constexpr int kMaxTagsAlong = 100, kMaxCodeOffset = 10000;
 constexpr int kKalibrBorderCells = 2;
 constexpr double kTolerance = 1e-3;  // of a tag
-// Kalibr's drawings of tag36h11 against libapriltag's.
-constexpr double kKalibrRotation = std::numbers::pi;
+// Kalibr draws tag36h11 the same way up as libapriltag.
+constexpr double kKalibrRotation = 0;
 
 struct Grid {
   int columns = 0, rows = 0, code_offset = 0;
@@ -203,8 +203,8 @@ void WriteKalibrGrid(const Board& board, const std::filesystem::path& file) {
   }
   if (!same) {
     throw Error(where +
-                ": no Kalibr grid: ids must go row by row from the lower left, tags upside "
-                "down (rotation_deg 180), evenly spaced and centred");
+                ": no Kalibr grid: ids must go row by row from the lower left, tags upright "
+                "(rotation_deg 0), evenly spaced and centred");
   }
   std::ostringstream text;
   text.precision(12);

@@ -90,7 +90,7 @@ TEST_F(KalibrGrid, OtherBoardsAreNotExported) {
   board.tags[7].center_mm.x() += 1;
   EXPECT_THROW(WriteKalibrGrid(board, scratch_.folder / "y.yaml"), Error);
   board = ReadKalibrGrid(Write(kGood));
-  board.tags[0].rotation = 0;
+  board.tags[0].rotation = 3.14159;
   EXPECT_THROW(WriteKalibrGrid(board, scratch_.folder / "y.yaml"), Error);
   board = ReadKalibrGrid(Write(kGood));
   board.tags.pop_back();
