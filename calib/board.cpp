@@ -104,6 +104,12 @@ Image DrawBoard(const Board& board, double pixels_per_mm) {
                 " pixels per mm; use 0.1 to 100");
   }
   constexpr int kSubsamples = 8;
+  constexpr double kMaxPixels = 5e8;
+  if (board.width_mm * pixels_per_mm * (board.height_mm * pixels_per_mm) > kMaxPixels) {
+    throw Error((board.name.empty() ? "board" : board.name) +
+                ": its picture would have more than 500 million pixels; use fewer pixels-per-mm");
+  }
+  const double pixel_diagonal_mm = 1.5 / pixels_per_mm;
   const BoardPrint print(board);
   const int width = std::max(1, static_cast<int>(std::lround(board.width_mm * pixels_per_mm)));
   const int height = std::max(1, static_cast<int>(std::lround(board.height_mm * pixels_per_mm)));
@@ -112,15 +118,18 @@ Image DrawBoard(const Board& board, double pixels_per_mm) {
   uint8_t* pixels = picture.Data<uint8_t>();
   ParallelFor(0, height, [&](int64_t row) {
     for (int column = 0; column < width; ++column) {
+      const Eigen::Vector2d middle_mm(
+          (column + 0.5 - width / 2.0) / pixels_per_mm,
+          (height / 2.0 - static_cast<double>(row) - 0.5) / pixels_per_mm);
+      const int subsamples =
+          print.UniformRadius(middle_mm) > pixel_diagonal_mm / 2 ? 1 : kSubsamples;
       Eigen::Array3d paper(0, 0, 0);
-      for (int s = 0; s < kSubsamples * kSubsamples; ++s) {
-        const double x = column + (s % kSubsamples + 0.5) / kSubsamples;
-        const double y = static_cast<double>(row) + (s / kSubsamples + 0.5) / kSubsamples;
-        const Eigen::Vector2d mm((x - width / 2.0) / pixels_per_mm,
-                                 (height / 2.0 - y) / pixels_per_mm);
+      for (int s = 0; s < subsamples * subsamples; ++s) {
+        const Eigen::Vector2d offset((s % subsamples + 0.5) / subsamples - 0.5,
+                                     0.5 - (s / subsamples + 0.5) / subsamples);
         // The picture may be a fraction of a pixel larger than the plate.
-        if (const std::optional<Eigen::Vector3f> color = print.Color(mm)) {
-          paper += color->cast<double>().array() / (kSubsamples * kSubsamples);
+        if (const auto color = print.Color(middle_mm + offset / pixels_per_mm)) {
+          paper += color->cast<double>().array() / (subsamples * subsamples);
         }
       }
       for (int c = 0; c < channels; ++c) {

@@ -185,7 +185,7 @@ class BoardPrint {
 
 /// A picture of the print, `pixels_per_mm` fine, 8-bit sRGB (gray, RGB when there are circles), y
 /// upwards; pixels on an edge get the share of paper under them. Attached plates are not in it.
-/// Throws Error unless 0.1 <= pixels_per_mm <= 100.
+/// Throws Error unless 0.1 <= pixels_per_mm <= 100 and it has at most 500 million pixels.
 Image DrawBoard(const Board& board, double pixels_per_mm);
 
 }  // namespace lfm

@@ -83,6 +83,10 @@ void PlaceCircles(const BoardDesign& design, Board& board) {
 Board DesignBoard(const BoardDesign& design) {
   BoardDesign checked = design;
   ValidateOptions(AnyOptions(checked));
+  if (!std::all_of(design.name.begin(), design.name.end(),
+                   [](char c) { return c >= ' ' && c <= '~'; })) {
+    throw Error("name: has signs that cannot be printed beside the board; use ASCII letters");
+  }
   Board board;
   board.name = design.name;
   board.family = design.family;

@@ -44,7 +44,7 @@ std::vector<std::filesystem::path> WriteBoardPrints(const Board& board, const Sh
     WriteFileAtomically(files.back(), SvgOfPage(pages[i], board.name));
   }
   for (size_t i = 0; i < pictures.size(); ++i) {
-    files.push_back(folder / (i == 0 ? "board.png" : Numbered("board", i, ".png")));
+    files.push_back(folder / (i == 0 ? "board.png" : Numbered("attached", i, ".png")));
     WriteImage(pictures[i], files.back());
   }
   return files;

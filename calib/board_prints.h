@@ -11,8 +11,8 @@ namespace lfm {
 
 /// Writes everything that a board is printed and looked at from into `folder`: `board.json`,
 /// `board.pdf` (all sheets of all plates), `board.svg` (`board-1.svg`, ... when there is more than
-/// one sheet), and `board.png`, a picture `pixels_per_mm` fine (`board-1.png`, ... an attached
-/// plate). Returns the files written. Throws Error when the board is not valid, or does not fit.
+/// one sheet), and `board.png`, a picture `pixels_per_mm` fine (`attached-1.png`, ...: attached
+/// plates). Returns the files written. Throws Error when the board is not valid, or does not fit.
 std::vector<std::filesystem::path> WriteBoardPrints(const Board& board, const SheetOptions& options,
                                                     double pixels_per_mm,
                                                     const std::filesystem::path& folder);

@@ -111,7 +111,7 @@ void ValidateChecker(const PlateCheck& check) {
   }
   if (board.checker_columns * board.checker_square_mm > board.width_mm ||
       board.checker_rows * board.checker_square_mm > board.height_mm) {
-    throw Error(check.where + ": checker: larger than the plate");
+    throw Error(check.where + ": checker: larger than the plate; use fewer or smaller squares");
   }
 }
 
@@ -137,15 +137,19 @@ void ValidateTags(const PlateCheck& check, std::set<int>& ids) {
     }
     const Rectangle square = check.TagRectangle(tag);
     if (check.LeavesPlate(square, check.quiet_mm)) {
-      throw Error(place + ": closer than one cell to the plate's edge; it would not be detected");
+      throw Error(place +
+                  ": closer than one cell to the plate's edge; it would not be detected (use "
+                  "smaller tags or a larger plate)");
     }
     if (board.checker_columns > 0 && CloserThan(square, check.checker, check.quiet_mm)) {
-      throw Error(place + ": closer than one cell to the checker; it would not be detected");
+      throw Error(place +
+                  ": closer than one cell to the checker; it would not be detected (use "
+                  "smaller tags or checker squares)");
     }
     for (size_t j = 0; j < i; ++j) {
       if (CloserThan(square, check.TagRectangle(board.tags[j]), check.quiet_mm)) {
         throw Error(place + ": closer than one cell to tags[" + std::to_string(j) +
-                    "]; neither would be detected");
+                    "]; neither would be detected (use smaller tags, farther apart)");
       }
     }
   }
@@ -201,7 +205,8 @@ void ValidateCircles(const PlateCheck& check) {
       throw Error(place + ": less than a quarter of its diameter from the plate's edge");
     }
     const auto refuse = [&](const std::string& what) {
-      throw Error(place + ": less than a quarter of its diameter from " + what);
+      throw Error(place + ": less than a quarter of its diameter from " + what +
+                  "; make it smaller, or make room");
     };
     if (board.checker_columns > 0 && DistanceTo(check.checker, circle.center_mm) < reach) {
       refuse("the checker");

@@ -239,7 +239,8 @@ std::variant<BoardMatch, BoardMismatch> MatchCircles(
   const Assignment assignment = LargestAgreement(board, detections);
   if (assignment.empty()) {
     return BoardMismatch{"only " + std::to_string(detections.size()) +
-                         " coloured circles found, fewer than four of them as on the board"};
+                         " coloured circles found, fewer than four of them as on the board; is the "
+                         "platform in the picture, in colour and evenly lit?"};
   }
   BoardMatch match;
   const std::optional<Eigen::Matrix3d> h = FitCircles(board, detections, assignment, match.pixels);
@@ -259,7 +260,14 @@ std::variant<BoardMatch, BoardMismatch> MatchCircles(
 std::variant<BoardMatch, BoardMismatch> ChooseMatch(std::variant<BoardMatch, BoardMismatch> tags,
                                                     const Board& board, const Image& picture,
                                                     BoardSearch search) {
-  if (board.circles.empty() || search == BoardSearch::kTags) return tags;
+  if (board.circles.empty()) return tags;
+  const std::vector<BoardPlate> plates = PlatesOf(board);
+  const bool has_tags = std::any_of(plates.begin(), plates.end(),
+                                    [](const BoardPlate& p) { return !p.board->tags.empty(); });
+  if (search == BoardSearch::kTags) {
+    if (has_tags) return tags;
+    return BoardMismatch{"the board has no tags, but circles: use --start auto or circles"};
+  }
   const BoardMatch* match = std::get_if<BoardMatch>(&tags);
   if (search == BoardSearch::kAuto && match != nullptr && match->tags >= kFewTags) return tags;
   std::variant<BoardMatch, BoardMismatch> circles = MatchCircles(board, DetectCircles(picture));
@@ -267,6 +275,7 @@ std::variant<BoardMatch, BoardMismatch> ChooseMatch(std::variant<BoardMatch, Boa
     found->tags = match != nullptr ? match->tags : 0;
     return circles;
   }
+  if (!has_tags) return circles;
   if (match == nullptr) {
     return BoardMismatch{std::get<BoardMismatch>(tags).reason + " (" +
                          std::get<BoardMismatch>(circles).reason + ")"};

@@ -61,6 +61,9 @@ lfm::Board MakeBoard(const CommandOptions& command, const lfm::BoardDesign& desi
   lfm::Board board = !command.from.empty()          ? lfm::ReadBoard(command.from)
                      : !command.from_kalibr.empty() ? lfm::ReadKalibrGrid(command.from_kalibr)
                                                     : lfm::DesignBoard(design);
+  if (command.attach.empty() && !command.attach_at.empty()) {
+    throw lfm::Error("--attach-at: give the board that stands there, too (--attach)");
+  }
   if (!command.attach.empty()) {
     lfm::Board other = lfm::ReadBoard(command.attach);
     board.attached.push_back({std::move(other), ParsePose(command.attach_at)});

@@ -24,6 +24,27 @@ constexpr int kMinRoughCorners = 4;
 // A coarse look is quick and loses some corners in a hundred: too many where there are few.
 constexpr size_t kManyCorners = 64;
 
+// Left and right exchanged; 8 bits do for tags.
+Image MirrorImage(const Image& image) {
+  const Image picture = ToSrgb8(image);
+  Image mirrored = picture;
+  const int channels = picture.channels();
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      for (int c = 0; c < channels; ++c) {
+        mirrored.At<uint8_t>(x, y, c) = picture.At<uint8_t>(picture.width() - 1 - x, y, c);
+      }
+    }
+  }
+  return mirrored;
+}
+
+bool ShowsBoard(const Image& image, const Board& board, TagDetector& detector) {
+  if (!detector.Detect(image).empty()) return true;
+  return !board.circles.empty() &&
+         std::holds_alternative<BoardMatch>(MatchCircles(board, DetectCircles(image)));
+}
+
 CalibPicture FindBoard(CalibPicture picture, const Board& board, const ImageLoader& load_image,
                        BoardSearch start, TagDetector& detector) {
   try {
@@ -34,10 +55,10 @@ CalibPicture FindBoard(CalibPicture picture, const Board& board, const ImageLoad
         ChooseMatch(MatchBoard(board, tags), board, image, start);
     if (const BoardMismatch* mismatch = std::get_if<BoardMismatch>(&match)) {
       picture.rejected = mismatch->reason;
-      if (tags.empty() && !detector.Detect(MirrorImage(image)).empty()) {
+      if (tags.empty() && ShowsBoard(MirrorImage(image), board, detector)) {
         picture.rejected =
-            "is mirrored: its tags can be read in its mirror image only; turn it back, or take it "
-            "without the mirror";
+            "is mirrored: its tags or circles can be read in its mirror image only; turn it back, "
+            "or take it without the mirror";
       }
     } else {
       picture.match = std::get<BoardMatch>(std::move(match));

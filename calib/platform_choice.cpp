@@ -15,7 +15,8 @@ constexpr size_t kLeastViews = 8, kMostViews = 16, kMostCorners = 400;
 // The models up to corners that move; those are many unknowns and tried only where fewer helped.
 // A bend is one surface through the origin: boards attached to the platform are no part of it.
 std::vector<PlatformModel> FirstModels(const Board& board) {
-  if (!board.attached.empty()) return {{PlatformMoves::kNone, false}, {PlatformMoves::kTags, false}};
+  if (!board.attached.empty())
+    return {{PlatformMoves::kNone, false}, {PlatformMoves::kTags, false}};
   return {{PlatformMoves::kNone, false},
           {PlatformMoves::kNone, true},
           {PlatformMoves::kTags, false},

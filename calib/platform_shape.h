@@ -49,9 +49,10 @@ std::vector<CornerPlace> PlaceCornersOfMovedTags(const Board& board, const Platf
 std::vector<Eigen::Vector3d> CornerPositions(const std::vector<Eigen::Vector3d>& printed,
                                              const PlatformShape& shape);
 
-/// Which departures of the platform's own plate an adjustment may find. The checker is one print: where there is one, it holds
-/// the frame and tags move against it (kTags); where there is none, or its corners move as well
-/// (kCorners), the prior on the shifts fixes what pictures cannot tell: place, turn and scale.
+/// Which departures of the platform's own plate an adjustment may find. The checker is one print:
+/// where there is one, it holds the frame and tags move against it (kTags); where there is none, or
+/// its corners move as well (kCorners), the prior on the shifts fixes what pictures cannot tell:
+/// place, turn and scale.
 enum class PlatformMoves { kNone, kTags, kCorners };
 struct PlatformModel {
   PlatformMoves moves = PlatformMoves::kNone;

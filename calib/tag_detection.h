@@ -24,8 +24,9 @@ struct TagDetection {
 /// .5 and its corner order are converted here.
 ///
 /// Corners are good to about half a pixel: the library works on coded values, in which white bleeds
-/// into black. Tags with a border of two cells, which Kalibr prints with their corners touching, are
-/// searched in a picture of twice the size with those parted. One object serves one thread at a time; making one takes some tens of milliseconds.
+/// into black. Tags with a border of two cells, which Kalibr prints with their corners touching,
+/// are searched in a picture of twice the size with those parted. One object serves one thread at a
+/// time; making one takes some tens of milliseconds.
 class TagDetector {
  public:
   /// Throws Error when the family is unknown or has no such border.
