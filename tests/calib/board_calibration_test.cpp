@@ -32,20 +32,45 @@ void ExpectCalibrates(const Board& board, const CalibOptions& options, double ce
   }
 }
 
+// What is said of a capture that cannot be calibrated.
+std::string Complaint(const RenderedCapture& rendered, const Board& board,
+                      const CalibOptions& options) {
+  try {
+    Calibrate(rendered.capture, board, rendered.Loader(), options, SilentProgress());
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(BoardCalibration, CirclesAloneStartTheCornerSearch) {
   BoardDesign design;
   design.layout = BoardLayout::kCircles;
   const Board board = DesignBoard(design);
   ExpectCalibrates(board, {}, kCenter_abs);
-  const RenderedCapture rendered = RenderCapture(board, 3, 0);
-  CalibOptions tags_only;
-  tags_only.start = BoardSearch::kTags;
-  try {
-    Calibrate(rendered.capture, board, rendered.Loader(), tags_only, SilentProgress());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("--start"), std::string::npos) << error.what();
+}
+
+TEST(BoardCalibration, SaysWhyCirclesAreNotFound) {
+  BoardDesign design;
+  design.layout = BoardLayout::kCircles;
+  Board board = DesignBoard(design);
+  RenderedCapture rendered = RenderCapture(board, 3, 0);
+  const std::string tags_only = Complaint(rendered, board, {.start = BoardSearch::kTags});
+  EXPECT_NE(tags_only.find("--start auto"), std::string::npos) << tags_only;
+  Image& picture = rendered.pictures[1];
+  const Image seen = picture;
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        picture.At<uint8_t>(x, y, c) = seen.At<uint8_t>(picture.width() - 1 - x, y, c);
+      }
+    }
   }
+  const std::string mirrored = Complaint(rendered, board, {});
+  EXPECT_NE(mirrored.find("is mirrored"), std::string::npos) << mirrored;
+  for (BoardCircle& circle : board.circles) circle.diameter_mm /= 1000;
+  const std::string in_metres = Complaint(rendered, board, {});
+  EXPECT_NE(in_metres.find("given in metres"), std::string::npos) << in_metres;
 }
 
 TEST(BoardCalibration, TagsAlone) {
