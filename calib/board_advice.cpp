@@ -61,9 +61,10 @@ std::vector<std::string> AdviseOnBoard(const Board& board, double mm_per_pixel) 
     throw Error("mm-per-pixel: must be positive");
   }
   std::vector<std::string> advice;
-  size_t corners = 0;
+  size_t corners = 0, tags = 0;
   for (const BoardPlate& plate : PlatesOf(board)) {
     AdviseOnPlate(board, *plate.board, mm_per_pixel, advice);
+    tags += plate.board->tags.size();
     corners += 4 * plate.board->tags.size() + plate.board->CheckerCorners().size();
   }
   if (corners < kMinCorners) {
@@ -71,6 +72,11 @@ std::vector<std::string> AdviseOnBoard(const Board& board, double mm_per_pixel) 
                           "has %.0f corners, lfm-calib asks for %.0f in every picture "
                           "(--min-corners); add tags or a checker",
                           static_cast<double>(corners), static_cast<double>(kMinCorners)));
+  }
+  if (tags == 0) {
+    advice.push_back((board.name.empty() ? "board" : board.name) +
+                     ": has circles and no tags: only colour pictures show where it is, not a "
+                     "gray scanner's; for scans use --layout border --circles");
   }
   if (!board.tags.empty() && board.tags.size() < 3 && board.circles.size() < 4) {
     advice.push_back(Line(board.name.empty() ? "board" : board.name,

@@ -10,7 +10,8 @@ namespace lfm {
 
 /// What a valid board will be bad at when a camera sees it `mm_per_pixel` coarse, one line each:
 /// tags whose cells cannot be read, corners that cannot be refined (nothing but other edges within
-/// reach), circles too small to segment or to tell apart, fewer corners than a pose needs. Empty
+/// reach), circles too small to segment, circles without tags (gray pictures
+/// tell no colours), fewer corners than a pose needs. Empty
 /// when there is nothing to say. Throws Error unless mm_per_pixel is positive and finite.
 std::vector<std::string> AdviseOnBoard(const Board& board, double mm_per_pixel);
 

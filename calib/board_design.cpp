@@ -54,6 +54,28 @@ Eigen::Vector2d CircleTrack(const BoardDesign& design) {
   return (tags + checker) / 2;
 }
 
+// Where a quarter, half or three quarter turn of the plate lays one circle on another, they must
+// differ: a checker looks the same then, and some circles are always hidden.
+bool LooksLikeAfterATurn(const BoardCircle& circle, const BoardCircle& other) {
+  const Eigen::Vector2d &p = circle.center_mm, &q = other.center_mm;
+  for (const Eigen::Vector2d& turned :
+       {Eigen::Vector2d(-p.y(), p.x()), Eigen::Vector2d(-p), Eigen::Vector2d(p.y(), -p.x())}) {
+    if ((turned - q).norm() < 2 * circle.diameter_mm) return circle.color == other.color;
+  }
+  return false;
+}
+
+CircleColor ChooseColor(const std::vector<BoardCircle>& before, BoardCircle circle) {
+  for (int c = 0; c < kCircleColors; ++c) {
+    circle.color = static_cast<CircleColor>((static_cast<int>(before.size()) + c) % kCircleColors);
+    const bool taken = std::any_of(before.begin(), before.end(), [&](const BoardCircle& other) {
+      return LooksLikeAfterATurn(circle, other);
+    });
+    if (!taken) break;
+  }
+  return circle.color;
+}
+
 void PlaceCircles(const BoardDesign& design, Board& board) {
   const int count = design.circles > 0                       ? design.circles
                     : design.layout == BoardLayout::kCircles ? kUsualCircles
@@ -69,10 +91,10 @@ void PlaceCircles(const BoardDesign& design, Board& board) {
     BoardCircle circle;
     circle.center_mm = PointOnTrack(half, length * i / count);
     circle.diameter_mm = design.circle_diameter_mm;
-    circle.color = static_cast<CircleColor>(i % kCircleColors);
+    circle.color = ChooseColor(board.circles, circle);
     board.circles.push_back(circle);
   }
-  // Six colours repeat; another one at the end breaks what symmetry that leaves.
+  // Another one at the end breaks what symmetry is left.
   for (int c = 0; c < kCircleColors && CirclesAreAmbiguous(board.circles); ++c) {
     board.circles.back().color = static_cast<CircleColor>(c);
   }

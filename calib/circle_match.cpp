@@ -149,7 +149,7 @@ std::optional<Assignment> Consolidate(const Board& board, const std::vector<Dete
     if (!h || !(h->determinant() * (*h)(2, 2) < 0)) return std::nullopt;
     Assignment next = AssignByHomography(board, seen, *h);
     if (next == assignment) {
-      if (2 * CountContradictions(board, seen, *h) > CountAssigned(assignment)) return std::nullopt;
+      if (4 * CountContradictions(board, seen, *h) > CountAssigned(assignment)) return std::nullopt;
       return assignment;
     }
     assignment = std::move(next);
@@ -180,6 +180,19 @@ Assignment LargestAgreement(const Board& board, const std::vector<DetectedCircle
     }
   }
   return best;
+}
+
+// True when tags of the platform's plane lie a tag or more from where the circles say.
+bool ContradictsTags(const BoardMatch& circles, const BoardMatch& tags) {
+  if (tags.pixels.size() < 4) return false;
+  const double tag_px = (tags.pixels[0] - tags.pixels[2]).norm();
+  for (size_t i = 0; i < tags.world_points.size(); ++i) {
+    const Eigen::Vector3d& p = tags.world_points[i];
+    if (std::abs(p.z()) > 1e-6) continue;
+    const Eigen::Vector2d expected = MapByHomography(circles.pixel_from_board, p.head<2>());
+    if (!((expected - tags.world_pixels[i]).norm() < tag_px)) return true;
+  }
+  return false;
 }
 
 bool OnOneLine(const std::vector<BoardCircle>& circles) {
@@ -270,8 +283,15 @@ std::variant<BoardMatch, BoardMismatch> ChooseMatch(std::variant<BoardMatch, Boa
   }
   const BoardMatch* match = std::get_if<BoardMatch>(&tags);
   if (search == BoardSearch::kAuto && match != nullptr && match->tags >= kFewTags) return tags;
+  if (picture.channels() < 3) {
+    if (has_tags) return tags;
+    return BoardMismatch{
+        "is gray, and the board has coloured circles only; gray pictures (a "
+        "scanner's) need a board with tags too"};
+  }
   std::variant<BoardMatch, BoardMismatch> circles = MatchCircles(board, DetectCircles(picture));
   if (BoardMatch* found = std::get_if<BoardMatch>(&circles)) {
+    if (match != nullptr && ContradictsTags(*found, *match)) return tags;
     found->tags = match != nullptr ? match->tags : 0;
     return circles;
   }

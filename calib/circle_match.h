@@ -32,7 +32,7 @@ EllipseView ViewCircle(const Eigen::Matrix3d& pixel_from_board, const BoardCircl
 /// perspective bias. Detections that fit nothing are passed over. At most 20 000 pairs are tried.
 ///
 /// Mismatch when fewer than four circles agree, or discs of another colour stand in the places of
-/// more than half as many. The match's points are circle centres.
+/// more than a quarter as many. The match's points are circle centres.
 std::variant<BoardMatch, BoardMismatch> MatchCircles(const Board& board,
                                                      const std::vector<DetectedCircle>& detections);
 

@@ -107,7 +107,8 @@ TEST(BoardAdvice, NamesWhatACameraCannotSee) {
   EXPECT_FALSE(Advises(DefaultBoard(), 1.1, "checker square"));
   BoardDesign circles;
   circles.layout = BoardLayout::kCircles;
-  EXPECT_TRUE(AdviseOnBoard(DesignBoard(circles), 0.25).empty());
+  EXPECT_EQ(AdviseOnBoard(DesignBoard(circles), 0.25).size(), 1u);
+  EXPECT_TRUE(Advises(DesignBoard(circles), 0.25, "not a gray scanner's"));
   EXPECT_TRUE(Advises(DesignBoard(circles), 0.8, "a circle is 17.5 pixels"));
   Board one = DefaultBoard();
   one.tags.resize(1);
@@ -116,6 +117,26 @@ TEST(BoardAdvice, NamesWhatACameraCannotSee) {
   EXPECT_TRUE(Advises(one, 0.25, "has 4 corners"));
   EXPECT_THROW(AdviseOnBoard(one, 0), Error);
   EXPECT_THROW(AdviseOnBoard(one, std::nan("")), Error);
+}
+
+// The checker looks the same after half a turn, so the circles alone must tell.
+TEST(BoardDesign, NoTurnLaysACircleOnOneOfItsColour) {
+  for (const int count : {4, 6, 8, 12, 16}) {
+    BoardDesign design;
+    design.layout = BoardLayout::kCircles;
+    design.circles = count;
+    const std::vector<BoardCircle> circles = DesignBoard(design).circles;
+    for (const BoardCircle& a : circles) {
+      Eigen::Vector2d turned = a.center_mm;
+      for (int quarter = 1; quarter < 4; ++quarter) {
+        turned = Eigen::Vector2d(-turned.y(), turned.x());
+        for (const BoardCircle& b : circles) {
+          if ((turned - b.center_mm).norm() > a.diameter_mm) continue;
+          EXPECT_NE(a.color, b.color) << count << " circles, quarter " << quarter;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

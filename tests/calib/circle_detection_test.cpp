@@ -280,6 +280,11 @@ TEST(ChooseMatch, FollowsTheSearchThatIsAskedFor) {
   EXPECT_GE(circles_of(few, BoardSearch::kAuto), 6);
   EXPECT_EQ(circles_of(many, BoardSearch::kAuto), 0);
   EXPECT_GE(circles_of(many, BoardSearch::kCircles), 6);
+  // Tags that lie elsewhere are believed.
+  BoardMatch elsewhere = few;
+  elsewhere.pixels = elsewhere.world_pixels = {{10, 10}, {20, 10}, {20, 20}, {10, 20}};
+  elsewhere.world_points = {{60, 60, 0}, {70, 60, 0}, {70, 50, 0}, {60, 50, 0}};
+  EXPECT_EQ(circles_of(elsewhere, BoardSearch::kCircles), 0);
   const Image black(480, 360, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   const auto failed = ChooseMatch(none, board, black, BoardSearch::kAuto);
   ASSERT_TRUE(std::holds_alternative<BoardMismatch>(failed));

@@ -24,6 +24,7 @@ using V3 = Eigen::Vector3d;
 Board CirclesAndAWall() {
   BoardDesign design;
   design.layout = BoardLayout::kCircles;
+  design.circles = 12;
   design.checker_columns = design.checker_rows = 11;
   Board board = DesignBoard(design);
   AttachedBoard wall;
@@ -109,12 +110,17 @@ TEST(BoardCapture, IsCalibratedFromItsCirclesAndTags) {
   const CalibResult result = Calibrate(
       studio.capture, studio.board, [&](const std::string& file) { return pictures.at(file); }, {},
       SilentProgress());
-  for (const RejectedImage& image : result.rejected) ADD_FAILURE() << image.id << image.reason;
-  ASSERT_EQ(result.photos.size(), 8u);
+  // The bust hides the wall, and all but three circles, from one place or another.
+  EXPECT_LE(result.rejected.size(), 2u);
+  ASSERT_GE(result.photos.size(), 6u);
   constexpr double kCenter_abs = 0.6, kReprojection_abs = 0.12;
   for (size_t i = 0; i < result.photos.size(); ++i) {
-    const Pose& truth = *studio.truth.photos[i].camera_from_world;
-    EXPECT_LT((result.photos[i].camera_from_world.Center() - truth.Center()).norm(), kCenter_abs)
+    const PosedImage& found = result.photos[i];
+    const auto truth = std::find_if(studio.truth.photos.begin(), studio.truth.photos.end(),
+                                    [&](const Photo& photo) { return photo.id == found.id; });
+    ASSERT_NE(truth, studio.truth.photos.end());
+    EXPECT_LT((found.camera_from_world.Center() - truth->camera_from_world->Center()).norm(),
+              kCenter_abs)
         << i;
   }
   EXPECT_LT(result.reprojection_rms_px, kReprojection_abs);
