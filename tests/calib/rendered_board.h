@@ -23,8 +23,8 @@ struct RenderSettings {
   double light_gradient = 0.3;  ///< relative change of light across the picture
   double hidden_share = 0;      ///< an ellipse of this share of width and height hides the middle
   Eigen::Vector3d bend_per_mm = {0, 0, 0};  ///< of the plate, as PlatformShape has it
-  Eigen::Vector3d gains = {1, 1, 1};  ///< white balance: factors of red, green, blue
-  double blur_px = 0;                 ///< standard deviation
+  Eigen::Vector3d gains = {1, 1, 1};        ///< white balance: factors of red, green, blue
+  double blur_px = 0;                       ///< standard deviation
 };
 
 /// An 8-bit sRGB picture of the printed plate, and of those attached to it, before a gray
