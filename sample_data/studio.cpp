@@ -58,6 +58,17 @@ std::string PhotoEnding(const StudioOptions& options) {
 }
 
 // One run of the studio.
+Board ChooseBoard(const std::string& file) {
+  if (file.empty()) return DefaultBoard();
+  Board board = ReadBoard(file);
+  if (std::max(board.width_mm, board.height_mm) > kTableSizeMm) {
+    throw Error(file + ": the board is larger than the studio's table of " +
+                std::to_string(static_cast<int>(kTableSizeMm)) +
+                " mm; use a smaller one (lengths are millimetres)");
+  }
+  return board;
+}
+
 class Studio {
  public:
   Studio(const StudioOptions& options, const PictureSink& sink, Progress& progress)
@@ -69,7 +80,7 @@ class Studio {
         seed_(static_cast<uint64_t>(options.seed)),
         sag_mm_(options.trouble.platform.plate_sag_mm),
         sensor_(MakeSensor(options)),
-        nominal_(options.board.empty() ? DefaultBoard() : ReadBoard(options.board)),
+        nominal_(ChooseBoard(options.board)),
         board_(PrintedBoard(nominal_, options.trouble.platform, seed_)),
         reflectance_(board_) {}
 

@@ -130,9 +130,17 @@ TEST(BoardCapture, ABadBoardFileIsAnError) {
   StudioOptions options;
   options.board = "/nonexistent/board.json";
   options.tiny = true;
-  EXPECT_THROW(RenderStudio(
-                   options, [](const std::string&, const Image&) {}, SilentProgress()),
-               Error);
+  const auto render = [&] {
+    RenderStudio(
+        options, [](const std::string&, const Image&) {}, SilentProgress());
+  };
+  EXPECT_THROW(render(), Error);
+  const ScratchFolder scratch;
+  Board vast = DefaultBoard();
+  vast.width_mm = 50000;
+  WriteBoard(vast, scratch.folder / "board.json");
+  options.board = (scratch.folder / "board.json").string();
+  EXPECT_THROW(render(), Error) << "larger than the table";
 }
 
 }  // namespace
