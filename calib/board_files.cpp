@@ -1,138 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
+#include <algorithm>
 #include <numbers>
-#include <set>
 
 #include "calib/board.h"
-#include "calib/tag_family.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 
 namespace lfm {
 namespace {
 
-constexpr double kMaxSizeMm = 1e5;
 constexpr int kMaxCheckerSquares = 1000;
 
-struct Rectangle {
-  Eigen::Vector2d center, x_axis, half_size;
-};
-
-double ReachAlong(const Rectangle& r, const Eigen::Vector2d& axis) {
-  const Eigen::Vector2d y_axis(-r.x_axis.y(), r.x_axis.x());
-  return r.half_size.x() * std::abs(r.x_axis.dot(axis)) +
-         r.half_size.y() * std::abs(y_axis.dot(axis));
+BoardCircle ReadCircle(JsonReader& item) {
+  BoardCircle circle;
+  const std::vector<double> center = item.Numbers("center_mm", 2);
+  circle.center_mm = {center[0], center[1]};
+  circle.diameter_mm = item.Number("diameter_mm");
+  const std::string color = item.Text("color");
+  const std::vector<std::string>& names = CircleColorNames();
+  const auto found = std::find(names.begin(), names.end(), color);
+  if (found == names.end()) {
+    item.Fail("color", "unknown colour; use red, yellow, green, cyan, blue or magenta");
+  }
+  circle.color = static_cast<CircleColor>(found - names.begin());
+  item.Finish();
+  return circle;
 }
 
-// Two convex shapes are apart exactly when a line along one of their sides separates them; grown
-// rectangles keep the test conservative at corners.
-bool CloserThan(const Rectangle& a, const Rectangle& b, double distance) {
-  for (const Rectangle* r : {&a, &b}) {
-    for (const Eigen::Vector2d& axis :
-         {r->x_axis, Eigen::Vector2d(-r->x_axis.y(), r->x_axis.x())}) {
-      const double gap =
-          std::abs((a.center - b.center).dot(axis)) - ReachAlong(a, axis) - ReachAlong(b, axis);
-      if (gap >= distance) return false;
-    }
-  }
-  return true;
-}
-
-bool IsSize(double mm) { return mm > 0 && mm <= kMaxSizeMm; }
-
-void ValidateSizes(const Board& board, const std::string& where) {
-  if (!IsSize(board.width_mm) || !IsSize(board.height_mm)) {
-    throw Error(where + ": width_mm and height_mm must be positive and at most 100000");
-  }
-  if (!IsSize(board.tag_size_mm)) {
-    throw Error(where + ": tag_size_mm must be positive and at most 100000");
-  }
-  if (board.tags.empty()) {
-    throw Error(where + ": tags: a board needs at least one tag to be recognised by");
-  }
-}
-
-void ValidateChecker(const Board& board, const std::string& where) {
-  if (board.checker_columns == 0 && board.checker_rows == 0) return;
-  const auto in_range = [](int n) { return n >= 2 && n <= kMaxCheckerSquares; };
-  if (!in_range(board.checker_columns) || !in_range(board.checker_rows)) {
-    throw Error(where + ": checker: columns and rows must both be 0, or both 2 to 1000");
-  }
-  if (!IsSize(board.checker_square_mm)) {
-    throw Error(where + ": checker: square_mm must be positive and at most 100000");
-  }
-  if (board.checker_columns * board.checker_square_mm > board.width_mm ||
-      board.checker_rows * board.checker_square_mm > board.height_mm) {
-    throw Error(where + ": checker: larger than the plate");
-  }
-}
-
-void ValidateTag(const Board& board, const BoardTag& tag, int family_count,
-                 const std::string& where) {
-  if (tag.id < 0 || tag.id >= family_count) {
-    throw Error(where + ": id " + std::to_string(tag.id) + " is not in " + board.family +
-                " (0 to " + std::to_string(family_count - 1) + ")");
-  }
-  if (!tag.center_mm.allFinite() || !std::isfinite(tag.rotation) ||
-      std::abs(tag.rotation) > 2 * std::numbers::pi) {
-    throw Error(where + ": the centre must be finite, the rotation within one turn");
-  }
-}
-
-Rectangle TagRectangle(const Board& board, const BoardTag& tag) {
-  return {tag.center_mm,
-          {std::cos(tag.rotation), std::sin(tag.rotation)},
-          Eigen::Vector2d::Constant(board.tag_size_mm / 2)};
-}
-
-}  // namespace
-
-void ValidateBoard(const Board& board, const std::string& where) {
-  const TagFamily family(board.family, where);
-  ValidateSizes(board, where);
-  ValidateChecker(board, where);
-  // Rounding in positions that are exactly one cell apart is no offence.
-  const double quiet = board.tag_size_mm / family.cells_per_black_square() * (1 - 1e-9);
-  const Rectangle checker = {{0, 0},
-                             {1, 0},
-                             {board.checker_columns * board.checker_square_mm / 2,
-                              board.checker_rows * board.checker_square_mm / 2}};
-  std::set<int> ids;
-  for (size_t i = 0; i < board.tags.size(); ++i) {
-    const BoardTag& tag = board.tags[i];
-    const std::string place = where + ": tags[" + std::to_string(i) + "]";
-    ValidateTag(board, tag, family.count(), place);
-    if (!ids.insert(tag.id).second) {
-      throw Error(place + ": id " + std::to_string(tag.id) + " is used twice");
-    }
-    const Rectangle square = TagRectangle(board, tag);
-    for (const auto& [axis, extent] : {std::pair(Eigen::Vector2d(1, 0), board.width_mm),
-                                       std::pair(Eigen::Vector2d(0, 1), board.height_mm)}) {
-      if (std::abs(tag.center_mm.dot(axis)) + ReachAlong(square, axis) + quiet > extent / 2) {
-        throw Error(place + ": closer than one cell to the plate's edge; it would not be detected");
-      }
-    }
-    if (board.checker_columns > 0 && CloserThan(square, checker, quiet)) {
-      throw Error(place + ": closer than one cell to the checker; it would not be detected");
-    }
-    for (size_t j = 0; j < i; ++j) {
-      if (CloserThan(square, TagRectangle(board, board.tags[j]), quiet)) {
-        throw Error(place + ": closer than one cell to tags[" + std::to_string(j) +
-                    "]; neither would be detected");
-      }
-    }
-  }
-}
-
-Board ReadBoard(const std::filesystem::path& file) {
-  const nlohmann::json json = ReadJson(file);
-  JsonReader reader(json, file.string());
-  Board board;
+// What every plate has, the platform's own and attached ones.
+void ReadPlate(JsonReader& reader, Board& board) {
   board.name = reader.Text("name");
-  board.family = reader.Text("family");
   board.width_mm = reader.Number("width_mm");
   board.height_mm = reader.Number("height_mm");
-  board.tag_size_mm = reader.Number("tag_size_mm");
   for (JsonReader& item : reader.Objects("tags")) {
     BoardTag tag;
     tag.id = item.Integer("id", 0, 1000000);
@@ -142,12 +41,77 @@ Board ReadBoard(const std::filesystem::path& file) {
     item.Finish();
     board.tags.push_back(tag);
   }
+  if (!board.tags.empty() || reader.Has("tag_size_mm")) {
+    board.tag_size_mm = reader.Number("tag_size_mm");
+  }
   if (reader.Has("checker")) {
     JsonReader checker = reader.Object("checker");
     board.checker_columns = checker.Integer("columns", 2, kMaxCheckerSquares);
     board.checker_rows = checker.Integer("rows", 2, kMaxCheckerSquares);
     board.checker_square_mm = checker.Number("square_mm");
     checker.Finish();
+  }
+  if (reader.Has("circles")) {
+    for (JsonReader& item : reader.Objects("circles")) board.circles.push_back(ReadCircle(item));
+  }
+  if (reader.Has("squares")) {
+    for (JsonReader& item : reader.Objects("squares")) {
+      const std::vector<double> center = item.Numbers("center_mm", 2);
+      board.squares.push_back({{center[0], center[1]}, item.Number("size_mm")});
+      item.Finish();
+    }
+  }
+}
+
+nlohmann::json PlateToJson(const Board& board) {
+  nlohmann::json json = {{"name", board.name},
+                         {"width_mm", board.width_mm},
+                         {"height_mm", board.height_mm},
+                         {"tags", nlohmann::json::array()}};
+  const auto point = [](const Eigen::Vector2d& p) { return nlohmann::json{p.x(), p.y()}; };
+  if (!board.tags.empty()) json["tag_size_mm"] = board.tag_size_mm;
+  for (const BoardTag& tag : board.tags) {
+    json["tags"].push_back({{"id", tag.id},
+                            {"center_mm", point(tag.center_mm)},
+                            {"rotation_deg", tag.rotation / std::numbers::pi * 180}});
+  }
+  if (board.checker_columns > 0) {
+    json["checker"] = {{"columns", board.checker_columns},
+                       {"rows", board.checker_rows},
+                       {"square_mm", board.checker_square_mm}};
+  }
+  for (const BoardCircle& circle : board.circles) {
+    json["circles"].push_back(
+        {{"center_mm", point(circle.center_mm)},
+         {"diameter_mm", circle.diameter_mm},
+         {"color", CircleColorNames().at(static_cast<size_t>(circle.color))}});
+  }
+  for (const BoardSquare& square : board.squares) {
+    json["squares"].push_back(
+        {{"center_mm", point(square.center_mm)}, {"size_mm", square.size_mm}});
+  }
+  return json;
+}
+
+}  // namespace
+
+Board ReadBoard(const std::filesystem::path& file) {
+  const nlohmann::json json = ReadJson(file);
+  JsonReader reader(json, file.string());
+  Board board;
+  ReadPlate(reader, board);
+  if (!board.tags.empty() || reader.Has("family")) board.family = reader.Text("family");
+  if (reader.Has("border_cells")) board.border_cells = reader.Integer("border_cells", 1, 2);
+  if (reader.Has("attached")) {
+    for (JsonReader& item : reader.Objects("attached")) {
+      AttachedBoard attached;
+      ReadPlate(item, attached.board);
+      attached.board.family = board.family;
+      attached.board.border_cells = board.border_cells;
+      attached.world_from_board = PoseFromJson(item);
+      item.Finish();
+      board.attached.push_back(std::move(attached));
+    }
   }
   reader.Finish();
   ValidateBoard(board, file.string());
@@ -156,21 +120,13 @@ Board ReadBoard(const std::filesystem::path& file) {
 
 void WriteBoard(const Board& board, const std::filesystem::path& file) {
   ValidateBoard(board, board.name.empty() ? "board" : board.name);
-  nlohmann::json json = {{"name", board.name},
-                         {"family", board.family},
-                         {"width_mm", board.width_mm},
-                         {"height_mm", board.height_mm},
-                         {"tag_size_mm", board.tag_size_mm},
-                         {"tags", nlohmann::json::array()}};
-  for (const BoardTag& tag : board.tags) {
-    json["tags"].push_back({{"id", tag.id},
-                            {"center_mm", {tag.center_mm.x(), tag.center_mm.y()}},
-                            {"rotation_deg", tag.rotation / std::numbers::pi * 180}});
-  }
-  if (board.checker_columns > 0) {
-    json["checker"] = {{"columns", board.checker_columns},
-                       {"rows", board.checker_rows},
-                       {"square_mm", board.checker_square_mm}};
+  nlohmann::json json = PlateToJson(board);
+  json["family"] = board.family;
+  if (board.border_cells != 1) json["border_cells"] = board.border_cells;
+  for (const AttachedBoard& attached : board.attached) {
+    nlohmann::json plate = PlateToJson(attached.board);
+    plate.update(PoseToJson(attached.world_from_board));
+    json["attached"].push_back(std::move(plate));
   }
   WriteJson(json, file);
 }

@@ -100,19 +100,9 @@ std::string ForeignIds(const std::vector<TagDetection>& detections) {
   return ids + (detections.size() > 4 ? ", ..." : "");
 }
 
-}  // namespace
-
-std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
-                                                   const std::vector<TagDetection>& detections) {
-  if (detections.empty()) {
-    return BoardMismatch{"no " + board.family +
-                         " tag found; is the platform in the picture, sharp?"};
-  }
-  const std::vector<SeenTag> seen = SelectBoardTags(board, detections);
-  if (seen.empty()) {
-    return BoardMismatch{"its tags (ids " + ForeignIds(detections) +
-                         ") are not on the board; a picture of another board?"};
-  }
+// What one plate makes of the detections.
+std::variant<BoardMatch, BoardMismatch> MatchPlate(const BoardPlate& plate,
+                                                   const std::vector<SeenTag>& seen) {
   const std::vector<size_t> agreeing = LargestAgreement(seen);
   std::set<int> ids;
   for (const SeenTag& tag : seen) ids.insert(tag.id);
@@ -128,12 +118,52 @@ std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
   BoardMatch match;
   match.tags = static_cast<int>(agreeing.size());
   match.pixel_from_board = *h;
+  match.world_from_plate = plate.world_from_plate;
   for (const size_t i : agreeing) {
     match.points_mm.insert(match.points_mm.end(), seen[i].points_mm.begin(),
                            seen[i].points_mm.end());
     match.pixels.insert(match.pixels.end(), seen[i].pixels.begin(), seen[i].pixels.end());
   }
+  for (const Eigen::Vector2d& p : match.points_mm) {
+    match.world_points.push_back(plate.world_from_plate * Eigen::Vector3d(p.x(), p.y(), 0));
+  }
+  match.world_pixels = match.pixels;
   return match;
+}
+
+// Adds what another plate says; the one with more tags leads.
+BoardMatch JoinMatches(BoardMatch a, BoardMatch b) {
+  if (b.tags > a.tags) std::swap(a, b);
+  a.tags += b.tags;
+  a.world_points.insert(a.world_points.end(), b.world_points.begin(), b.world_points.end());
+  a.world_pixels.insert(a.world_pixels.end(), b.world_pixels.begin(), b.world_pixels.end());
+  return a;
+}
+
+}  // namespace
+
+std::variant<BoardMatch, BoardMismatch> MatchBoard(const Board& board,
+                                                   const std::vector<TagDetection>& detections) {
+  if (detections.empty()) {
+    return BoardMismatch{"no " + board.family +
+                         " tag found; is the platform in the picture, sharp?"};
+  }
+  std::optional<BoardMatch> joined;
+  std::optional<BoardMismatch> mismatch;
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    const std::vector<SeenTag> seen = SelectBoardTags(*plate.board, detections);
+    if (seen.empty()) continue;
+    std::variant<BoardMatch, BoardMismatch> match = MatchPlate(plate, seen);
+    if (BoardMatch* found = std::get_if<BoardMatch>(&match)) {
+      joined = joined ? JoinMatches(std::move(*joined), std::move(*found)) : std::move(*found);
+    } else if (!mismatch) {
+      mismatch = std::get<BoardMismatch>(match);
+    }
+  }
+  if (joined) return *joined;
+  if (mismatch) return *mismatch;
+  return BoardMismatch{"its tags (ids " + ForeignIds(detections) +
+                       ") are not on the board; a picture of another board?"};
 }
 
 }  // namespace lfm

@@ -4,6 +4,7 @@
 
 #include "calib/board.h"
 #include "calib/tag_family.h"
+#include "core/error.h"
 
 namespace lfm {
 namespace {
@@ -19,15 +20,41 @@ double DistanceToWhole(double x) { return std::abs(x - std::round(x)); }
 
 }  // namespace
 
+struct BoardPrint::Attached {
+  BoardPrint print;
+  Pose world_from_plate;
+};
+
 BoardPrint::BoardPrint(const Board& board) : board_(board) {
-  ValidateBoard(board, board.name.empty() ? "board" : board.name);
+  ValidatePrint(board, board.name.empty() ? "board" : board.name);
+  Prepare();
+  for (const AttachedBoard& attached : board.attached) {
+    BoardPrint print;
+    print.board_ = attached.board;
+    print.Prepare();
+    attached_.push_back({std::move(print), attached.world_from_board});
+  }
+}
+
+BoardPrint::BoardPrint() = default;
+BoardPrint::~BoardPrint() = default;
+BoardPrint::BoardPrint(const BoardPrint&) = default;
+BoardPrint::BoardPrint(BoardPrint&&) noexcept = default;
+BoardPrint& BoardPrint::operator=(const BoardPrint&) = default;
+BoardPrint& BoardPrint::operator=(BoardPrint&&) noexcept = default;
+
+void BoardPrint::Prepare() {
+  const TagFamily family(board_.family, board_.border_cells, board_.name);
+  cells_across_ = family.cells_across();
+  cell_mm_ = board_.tag_size_mm / family.cells_per_side();
+  tag_half_mm_ = cell_mm_ * cells_across_ / 2;
   tags_ = PlaceTags();
   FillGrid();
   FillRaster();
 }
 
 std::vector<BoardPrint::PlacedTag> BoardPrint::PlaceTags() const {
-  const TagFamily family(board_.family, board_.name);
+  const TagFamily family(board_.family, board_.border_cells, board_.name);
   std::vector<PlacedTag> tags;
   for (const BoardTag& tag : board_.tags) {
     PlacedTag placed;
@@ -40,10 +67,11 @@ std::vector<BoardPrint::PlacedTag> BoardPrint::PlaceTags() const {
 }
 
 void BoardPrint::FillGrid() {
-  cells_per_black_square_ = TagFamily(board_.family, board_.name).cells_per_black_square();
   const double longest = std::max(board_.width_mm, board_.height_mm);
   raster_per_mm_ = kRasterCells / longest;
-  grid_per_mm_ = std::min(kGridCellsPerTag / board_.tag_size_mm, kMaxGridCells / longest);
+  grid_per_mm_ = tags_.empty()
+                     ? 1 / longest
+                     : std::min(kGridCellsPerTag / (2 * tag_half_mm_), kMaxGridCells / longest);
   grid_columns_ = static_cast<int>(board_.width_mm * grid_per_mm_) + 1;
   grid_rows_ = static_cast<int>(board_.height_mm * grid_per_mm_) + 1;
   std::vector<std::vector<int>> tags_of_cell(static_cast<size_t>(grid_columns_) * grid_rows_);
@@ -51,7 +79,7 @@ void BoardPrint::FillGrid() {
     const Eigen::Vector2d& axis = tags_[i].x_axis;
     // Raster cells that only touch a tag must find it too.
     const double reach =
-        board_.tag_size_mm / 2 * (std::abs(axis.x()) + std::abs(axis.y())) + 1 / raster_per_mm_;
+        tag_half_mm_ * (std::abs(axis.x()) + std::abs(axis.y())) + 1 / raster_per_mm_;
     const size_t low = GridCell(tags_[i].center_mm - Eigen::Vector2d::Constant(reach));
     const size_t high = GridCell(tags_[i].center_mm + Eigen::Vector2d::Constant(reach));
     const size_t columns = static_cast<size_t>(grid_columns_);
@@ -111,8 +139,8 @@ void BoardPrint::FillRaster() {
 
 bool BoardPrint::EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) const {
   const size_t cell = GridCell(point_mm);
-  const double half = board_.tag_size_mm / 2;
-  const double tag_cell = board_.tag_size_mm / cells_per_black_square_;
+  const double half = tag_half_mm_;
+  const double tag_cell = cell_mm_;
   for (int i = grid_offsets_[cell]; i < grid_offsets_[cell + 1]; ++i) {
     const PlacedTag& tag = tags_[grid_tags_[i]];
     const Eigen::Vector2d d = point_mm - tag.center_mm;
@@ -121,6 +149,12 @@ bool BoardPrint::EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) c
     if (std::max(std::abs(right), std::abs(up)) > half + radius_mm) continue;
     if (DistanceToWhole((right + half) / tag_cell) * tag_cell <= radius_mm) return true;
     if (DistanceToWhole((up + half) / tag_cell) * tag_cell <= radius_mm) return true;
+  }
+  // All of a circle counts as edge: it has no single value.
+  if (CircleAt(point_mm, radius_mm) != nullptr) return true;
+  for (const BoardSquare& s : board_.squares) {
+    const Eigen::Array2d d = (point_mm - s.center_mm).array().abs() - s.size_mm / 2;
+    if (d.maxCoeff() <= radius_mm && d.maxCoeff() >= -radius_mm) return true;
   }
   if (board_.checker_columns == 0) return false;
   const double square = board_.checker_square_mm;
@@ -134,15 +168,14 @@ bool BoardPrint::EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) c
 
 bool BoardPrint::InkOfTag(const PlacedTag& tag, const Eigen::Vector2d& point_mm) const {
   const Eigen::Vector2d d = point_mm - tag.center_mm;
-  const double half = board_.tag_size_mm / 2;
+  const double half = tag_half_mm_;
   const double right = d.dot(tag.x_axis);
   const double up = d.y() * tag.x_axis.x() - d.x() * tag.x_axis.y();
   if (std::abs(right) > half || std::abs(up) > half) return false;
-  const int last = cells_per_black_square_ - 1;
-  const double cells_per_mm = cells_per_black_square_ / board_.tag_size_mm;
-  const int column = std::min(static_cast<int>((right + half) * cells_per_mm), last);
-  const int row = std::min(static_cast<int>((half - up) * cells_per_mm), last);
-  return tag.cells[static_cast<size_t>(row) * cells_per_black_square_ + column] == 0;
+  const int last = cells_across_ - 1;
+  const int column = std::min(static_cast<int>((right + half) / cell_mm_), last);
+  const int row = std::min(static_cast<int>((half - up) / cell_mm_), last);
+  return tag.cells[static_cast<size_t>(row) * cells_across_ + column] == 0;
 }
 
 bool BoardPrint::InkOfChecker(const Eigen::Vector2d& point_mm) const {
@@ -166,7 +199,53 @@ double BoardPrint::ExactValue(const Eigen::Vector2d& point_mm) const {
   for (int i = grid_offsets_[cell]; i < grid_offsets_[cell + 1]; ++i) {
     if (InkOfTag(tags_[grid_tags_[i]], point_mm)) return 0;
   }
+  if (CircleAt(point_mm, 0) != nullptr) return -1;
+  for (const BoardSquare& s : board_.squares) {
+    if ((point_mm - s.center_mm).cwiseAbs().maxCoeff() <= s.size_mm / 2) return 0;
+  }
   return InkOfChecker(point_mm) ? 0 : 1;
+}
+
+const BoardCircle* BoardPrint::CircleAt(const Eigen::Vector2d& point_mm, double margin_mm) const {
+  for (const BoardCircle& circle : board_.circles) {
+    if ((point_mm - circle.center_mm).norm() <= circle.diameter_mm / 2 + margin_mm) return &circle;
+  }
+  return nullptr;
+}
+
+std::optional<Eigen::Vector3f> BoardPrint::Color(const Eigen::Vector2d& point_mm) const {
+  const double value = Value(point_mm);
+  if (value >= 0) return Eigen::Vector3f::Constant(static_cast<float>(value));
+  const BoardCircle* circle = CircleAt(point_mm, 0);
+  if (circle == nullptr) return std::nullopt;
+  return CircleReflectance(circle->color);
+}
+
+int BoardPrint::CornersOfPlate() const {
+  const int checker =
+      board_.checker_columns > 0 ? (board_.checker_columns - 1) * (board_.checker_rows - 1) : 0;
+  return 4 * static_cast<int>(board_.tags.size()) + checker;
+}
+
+int BoardPrint::Plates() const { return 1 + static_cast<int>(attached_.size()); }
+
+BoardPrint::Plate BoardPrint::PlateAt(int i) const {
+  if (i == 0) return {this, Pose(), Pose()};
+  if (i < 0 || static_cast<size_t>(i) > attached_.size()) {
+    throw Error("a board has no plate " + std::to_string(i), ErrorKind::kSystem);
+  }
+  const Attached& attached = attached_[static_cast<size_t>(i) - 1];
+  return {&attached.print, attached.world_from_plate, attached.world_from_plate.Inverse()};
+}
+
+BoardPrint::Plate BoardPrint::PlateOfCorner(int corner) const {
+  int rest = corner - CornersOfPlate();
+  if (corner >= 0 && rest < 0) return PlateAt(0);
+  for (size_t i = 0; i < attached_.size() && corner >= 0; ++i) {
+    rest -= attached_[i].print.CornersOfPlate();
+    if (rest < 0) return PlateAt(static_cast<int>(i) + 1);
+  }
+  throw Error("a board has no corner " + std::to_string(corner), ErrorKind::kSystem);
 }
 
 double BoardPrint::Value(const Eigen::Vector2d& point_mm) const {

@@ -35,7 +35,7 @@ Eigen::Vector3d PointOf(const JointBundle& bundle, const BundleState& state, con
   const PlatformUnknowns& platform = *bundle.platform;
   const int corner = view.corners[i], group = platform.group_of_corner[corner];
   Eigen::Vector3d point = platform.printed[corner];
-  if (platform.bent) point.z() = BendRow(point).dot(state.platform.tail<3>());
+  if (platform.bent) point.z() += BendRow(point).dot(state.platform.tail<3>());
   if (group >= 0) point.head<2>() += state.platform.segment<2>(2 * group);
   return point;
 }

@@ -15,15 +15,24 @@ namespace lfm {
 namespace {
 
 // Metres for millimetres make a tag of a few hundredths: no camera could read it.
-constexpr double kLeastTagMm = 0.5;
+constexpr double kLeastMarkMm = 0.5;
 
-void CheckUnits(const Board& board, const std::string& where) {
-  if (board.tag_size_mm >= kLeastTagMm) return;
+void CheckMark(const char* marks, double size_mm, const std::string& where) {
+  if (size_mm >= kLeastMarkMm) return;
   char size[64];
-  std::snprintf(size, sizeof size, "%g mm", board.tag_size_mm);
-  throw Error(where + ": tag_size_mm: tags of " + size +
+  std::snprintf(size, sizeof size, "%g mm", size_mm);
+  throw Error(where + ": " + marks + " of " + size +
               " cannot be read by any camera; sizes given in metres? Multiply every length of the "
               "file by 1000 (a 24 mm tag is 24, not 0.024)");
+}
+
+void CheckUnits(const Board& board, const std::string& where) {
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    if (!plate.board->tags.empty()) CheckMark("tag_size_mm: tags", plate.board->tag_size_mm, where);
+    for (const BoardCircle& circle : plate.board->circles) {
+      CheckMark("circles: circles", circle.diameter_mm, where);
+    }
+  }
 }
 
 Adjustment StartCameras(CameraGroups groups) {
@@ -215,7 +224,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
                 ": no pictures; list at least three photographs of the platform");
   }
   const Studio studio{board, load_image, checked, progress};
-  pictures = FindBoards(std::move(pictures), board, load_image, progress);
+  pictures = FindBoards(std::move(pictures), board, load_image, checked.start, progress);
   const ExifReader read_exif = [&](const std::string& file) {
     return ReadExifCamera(capture.folder / file);
   };

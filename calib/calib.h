@@ -66,11 +66,19 @@ struct CalibResult {
   double corner_noise_px = 0;      ///< estimated standard deviation of a corner coordinate
 };
 
+/// What the search for corners starts from (calib/circle_match.h).
+enum class BoardSearch {
+  kAuto,     ///< tags; circles where fewer than three tags agree
+  kTags,     ///< tags alone
+  kCircles,  ///< circles; tags where they do not suffice
+};
+
 struct CalibOptions {
   double max_reprojection_px = 1.0;
   int min_corners = 12;
   double robust_scale_px = 0.5;
   double print_error_mm = 0.3;
+  BoardSearch start = BoardSearch::kAuto;
   void Declare(OptionVisitor& v) {
     v.Number({"max-reprojection-px",
               "Set a photograph aside when its own corners fit worse than "
@@ -88,6 +96,10 @@ struct CalibOptions {
               "where pictures ask for it.",
               "mm", 1e-4, 10},
              print_error_mm);
+    v.Enumeration({"start",
+                   "What the search for corners starts from: tags, the board's coloured circles, "
+                   "or tags, and circles where fewer than three tags are found."},
+                  {"auto", "tags", "circles"}, start);
   }
 };
 

@@ -27,7 +27,7 @@ std::vector<Eigen::Vector3d> OnPlate(const std::vector<Eigen::Vector2d>& points_
 }
 
 BundleView ViewOfTags(const CalibPicture& picture) {
-  return {picture.camera_from_world, OnPlate(picture.match.points_mm), picture.match.pixels};
+  return {picture.camera_from_world, picture.match.world_points, picture.match.world_pixels};
 }
 
 Camera AdjustToTags(const Camera& camera, std::vector<CalibPicture>& pictures,
@@ -75,7 +75,7 @@ std::vector<CalibPicture> StartPoses(std::vector<CalibPicture> pictures,
     const std::optional<Pose> pose = EstimatePlanarPose(camera, OnPlate(picture.match.points_mm),
                                                         picture.match.pixels, kDetectionScalePx);
     if (pose) {
-      picture.camera_from_world = *pose;
+      picture.camera_from_world = *pose * picture.match.world_from_plate.Inverse();
     } else {
       picture.rejected = "no pose explains its tags";
     }

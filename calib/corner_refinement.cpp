@@ -72,6 +72,25 @@ void RenderWindow(const BoardPrint& print, const LocalView& view, const PixelFoo
   }
 }
 
+// A corner as the camera sees it, on the plate that it is printed on.
+struct CornerView {
+  const BoardPrint* print = nullptr;
+  LocalView view;
+};
+
+// No answer out of the picture, or when the plate is seen from behind.
+std::optional<CornerView> ViewCorner(const BoardPrint& print, int corner, const CornerPlace& place,
+                                     const Camera& camera, const Pose& camera_from_world) {
+  const BoardPrint::Plate plate = print.PlateOfCorner(corner);
+  const Pose camera_from_plate = camera_from_world * plate.world_from_plate;
+  if (camera_from_plate.Center().z() <= 0) return std::nullopt;
+  const CornerPlace on_plate = {plate.plate_from_world * place.printed,
+                                plate.plate_from_world * place.position, place.slope};
+  const std::optional<LocalView> view = MakeLocalView(camera, camera_from_plate, on_plate);
+  if (!view) return std::nullopt;
+  return CornerView{plate.print, *view};
+}
+
 struct FitStep {
   Eigen::Vector2d shift;
   double sigma_px = 0;
@@ -217,10 +236,11 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
   const PixelFootprint footprint = MakePixelFootprint(search.blur_px, search.sampling);
   std::vector<CornerObservation> found;
   for (size_t i = 0; i < corners.size(); ++i) {
-    const std::optional<LocalView> view = MakeLocalView(camera, camera_from_world, corners[i]);
-    if (!view) continue;
+    const std::optional<CornerView> corner =
+        ViewCorner(print, static_cast<int>(i), corners[i], camera, camera_from_world);
+    if (!corner) continue;
     const std::optional<CornerFit> fit =
-        FitCorner(linear_gray, print, footprint, *view, Eigen::Vector2d::Zero(), search);
+        FitCorner(linear_gray, *corner->print, footprint, corner->view, {0, 0}, search);
     if (!fit || fit->sigma_px > kMaxSigmaPx ||
         fit->relative_residual > search.max_relative_residual) {
       continue;
@@ -245,11 +265,12 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
     double cost = 0;
     for (size_t i = 0; i < count; ++i) {
       const CornerObservation& observation = observed[i * observed.size() / count];
-      const std::optional<LocalView> view =
-          MakeLocalView(camera, camera_from_world, corners[observation.corner]);
-      const std::optional<CornerFit> fit = view ? FitCorner(linear_gray, print, footprint, *view,
-                                                            observation.pixel - view->pixel, search)
-                                                : std::nullopt;
+      const std::optional<CornerView> corner = ViewCorner(
+          print, observation.corner, corners[observation.corner], camera, camera_from_world);
+      const std::optional<CornerFit> fit =
+          corner ? FitCorner(linear_gray, *corner->print, footprint, corner->view,
+                             observation.pixel - corner->view.pixel, search)
+                 : std::nullopt;
       cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
                   : kCostOfNoFit;
     }

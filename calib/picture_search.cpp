@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "calib/bundle_adjustment.h"
+#include "calib/circle_match.h"
 #include "calib/tag_detection.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -38,19 +39,26 @@ Image MirrorImage(const Image& image) {
   return mirrored;
 }
 
+bool ShowsBoard(const Image& image, const Board& board, TagDetector& detector) {
+  if (!detector.Detect(image).empty()) return true;
+  return !board.circles.empty() &&
+         std::holds_alternative<BoardMatch>(MatchCircles(board, DetectCircles(image)));
+}
+
 CalibPicture FindBoard(CalibPicture picture, const Board& board, const ImageLoader& load_image,
-                       TagDetector& detector) {
+                       BoardSearch start, TagDetector& detector) {
   try {
     const Image image = load_image(picture.file);
     picture.width = image.width(), picture.height = image.height();
     const std::vector<TagDetection> tags = detector.Detect(image);
-    std::variant<BoardMatch, BoardMismatch> match = MatchBoard(board, tags);
+    std::variant<BoardMatch, BoardMismatch> match =
+        ChooseMatch(MatchBoard(board, tags), board, image, start);
     if (const BoardMismatch* mismatch = std::get_if<BoardMismatch>(&match)) {
       picture.rejected = mismatch->reason;
-      if (tags.empty() && !detector.Detect(MirrorImage(image)).empty()) {
+      if (tags.empty() && ShowsBoard(MirrorImage(image), board, detector)) {
         picture.rejected =
-            "is mirrored: its tags can be read in its mirror image only; turn it back, or take it "
-            "without the mirror";
+            "is mirrored: its tags or circles can be read in its mirror image only; turn it back, "
+            "or take it without the mirror";
       }
     } else {
       picture.match = std::get<BoardMatch>(std::move(match));
@@ -88,15 +96,16 @@ BundleView ViewOfCorners(const CalibPicture& picture,
 }
 
 std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
-                                     const ImageLoader& load_image, Progress& progress) {
+                                     const ImageLoader& load_image, BoardSearch start,
+                                     Progress& progress) {
   progress.Start("finding tags", static_cast<int64_t>(pictures.size()));
   ParallelChunks(static_cast<int64_t>(pictures.size()), kPicturesPerDetector,
                  [&](int64_t begin, int64_t end, int64_t) {
-                   TagDetector detector(board.family);
+                   TagDetector detector(board.family, board.border_cells);
                    for (int64_t i = begin; i < end; ++i) {
                      CalibPicture& picture = pictures[static_cast<size_t>(i)];
                      if (picture.InUse()) {
-                       picture = FindBoard(std::move(picture), board, load_image, detector);
+                       picture = FindBoard(std::move(picture), board, load_image, start, detector);
                      }
                      progress.Advance();
                    }

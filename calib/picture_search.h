@@ -14,11 +14,12 @@
 
 namespace lfm {
 
-/// Loads every picture in use, notes its size and finds the board's tags in it; sets aside, with
-/// the reason, what cannot be read, does not show the board, or shows it mirrored. In parallel;
-/// pictures are loaded one at a time a thread and not kept.
+/// Loads every picture in use, notes its size and finds the board's tags (or, as `start` says,
+/// circles) in it; sets aside, with the reason, what cannot be read, does not show the board, or
+/// shows it mirrored. In parallel; pictures are loaded one at a time a thread and not kept.
 std::vector<CalibPicture> FindBoards(std::vector<CalibPicture> pictures, const Board& board,
-                                     const ImageLoader& load_image, Progress& progress);
+                                     const ImageLoader& load_image, BoardSearch start,
+                                     Progress& progress);
 
 /// How well the poses are known before a search for corners.
 enum class StartQuality {

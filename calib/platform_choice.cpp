@@ -13,13 +13,17 @@ constexpr double kPlatformGain = 0.9;
 constexpr size_t kLeastViews = 8, kMostViews = 16, kMostCorners = 400;
 
 // The models up to corners that move; those are many unknowns and tried only where fewer helped.
-std::vector<PlatformModel> FirstModels() {
+// A bend is one surface through the origin: boards attached to the platform are no part of it.
+std::vector<PlatformModel> FirstModels(const Board& board) {
+  if (!board.attached.empty())
+    return {{PlatformMoves::kNone, false}, {PlatformMoves::kTags, false}};
   return {{PlatformMoves::kNone, false},
           {PlatformMoves::kNone, true},
           {PlatformMoves::kTags, false},
           {PlatformMoves::kTags, true}};
 }
-std::vector<PlatformModel> LastModels() {
+std::vector<PlatformModel> LastModels(const Board& board) {
+  if (!board.attached.empty()) return {{PlatformMoves::kCorners, false}};
   return {{PlatformMoves::kCorners, false}, {PlatformMoves::kCorners, true}};
 }
 
@@ -68,8 +72,8 @@ PlatformChoice ChoosePlatform(const Board& board, const JointBundle& bundle, dou
   const JointBundle some = SpreadBundle(bundle, kMostViews, kMostCorners);
   if (some.views.size() < kLeastViews) return {};
   PlatformContest contest(board, some, prior_mm, noise_px, robust_scale_px);
-  contest.Try(FirstModels());
-  if (contest.choice.model.moves == PlatformMoves::kTags) contest.Try(LastModels());
+  contest.Try(FirstModels(board));
+  if (contest.choice.model.moves == PlatformMoves::kTags) contest.Try(LastModels(board));
   return contest.choice;
 }
 

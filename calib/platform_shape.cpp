@@ -15,12 +15,16 @@ constexpr PlatformModel kModels[] = {
 
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
   std::vector<Eigen::Vector3d> corners;
-  for (const BoardTag& tag : board.tags) {
-    const std::array<Eigen::Vector3d, 4> of_tag = board.TagCorners(tag);
-    corners.insert(corners.end(), of_tag.begin(), of_tag.end());
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    for (const BoardTag& tag : plate.board->tags) {
+      for (const Eigen::Vector3d& corner : plate.board->TagCorners(tag)) {
+        corners.push_back(plate.world_from_plate * corner);
+      }
+    }
+    for (const Eigen::Vector3d& corner : plate.board->CheckerCorners()) {
+      corners.push_back(plate.world_from_plate * corner);
+    }
   }
-  const std::vector<Eigen::Vector3d> of_checker = board.CheckerCorners();
-  corners.insert(corners.end(), of_checker.begin(), of_checker.end());
   return corners;
 }
 
@@ -42,7 +46,7 @@ std::vector<CornerPlace> PlaceCorners(const std::vector<Eigen::Vector3d>& printe
     CornerPlace place{
         printed[i], printed[i], {2 * b.x() * x + b.y() * y, b.y() * x + 2 * b.z() * y}};
     if (moved) place.position.head<2>() += shape.shifts_mm[i];
-    place.position.z() = b.x() * x * x + b.y() * x * y + b.z() * y * y;
+    place.position.z() += b.x() * x * x + b.y() * x * y + b.z() * y * y;
     places.push_back(place);
   }
   return places;
@@ -92,9 +96,10 @@ PlatformUnknowns MakePlatformUnknowns(const Board& board, const PlatformModel& m
   unknowns.bent = model.bent;
   const int corners = static_cast<int>(unknowns.printed.size());
   const int of_tags = 4 * static_cast<int>(board.tags.size());
+  const int of_plate = of_tags + static_cast<int>(board.CheckerCorners().size());
   for (int i = 0; i < corners; ++i) {
     int group = -1;
-    if (model.moves == PlatformMoves::kCorners) group = i;
+    if (model.moves == PlatformMoves::kCorners && i < of_plate) group = i;
     if (model.moves == PlatformMoves::kTags && i < of_tags) group = i / 4;
     unknowns.group_of_corner.push_back(group);
     unknowns.groups = std::max(unknowns.groups, group + 1);

@@ -9,16 +9,18 @@
 
 namespace lfm {
 
-/// The corners of a board that pictures are searched for: four a tag in the order of
-/// `Board::tags` and `Board::TagCorners`, then `Board::CheckerCorners`.
+/// The corners of a board that pictures are searched for, in the world: four a tag in the order of
+/// `Board::tags` and `Board::TagCorners`, then `Board::CheckerCorners`; then those of each attached
+/// board in the same way.
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board);
 
 /// How the real platform departs from its file: where each corner lies, and how the plate is bent.
 ///
-///   place = (x + dx, y + dy, bxx x^2 + bxy x y + byy y^2)
+///   place = (x + dx, y + dy, z + bxx x^2 + bxy x y + byy y^2)
 ///
-/// with (x, y) the corner in the file and (dx, dy) its shift, mm: the plate touches the world's
-/// plane z = 0 at the origin. A default one is the file's.
+/// with (x, y, z) the corner in the file, z = 0 on the platform's own plate, and (dx, dy) its
+/// shift, mm: the plate touches the world's plane z = 0 at the origin. A default one is the file's.
+/// Attached boards are believed: their corners do not move, and a platform that has some is flat.
 struct PlatformShape {
   std::vector<Eigen::Vector2d> shifts_mm;                 ///< one a corner of BoardCorners, or none
   Eigen::Vector3d bend_per_mm = Eigen::Vector3d::Zero();  ///< bxx, bxy, byy
@@ -28,7 +30,7 @@ struct PlatformShape {
 
 /// Where a corner of the print lies in the world, and how the plate runs there.
 struct CornerPlace {
-  Eigen::Vector3d printed;         ///< on the board of the file, z = 0
+  Eigen::Vector3d printed;         ///< on the board of the file, in the world, mm
   Eigen::Vector3d position;        ///< in the world, mm
   Eigen::Vector2d slope = {0, 0};  ///< dz/dx, dz/dy of the plate
 };
@@ -47,9 +49,10 @@ std::vector<CornerPlace> PlaceCornersOfMovedTags(const Board& board, const Platf
 std::vector<Eigen::Vector3d> CornerPositions(const std::vector<Eigen::Vector3d>& printed,
                                              const PlatformShape& shape);
 
-/// Which departures an adjustment may find. The checker is one print: where there is one, it holds
-/// the frame and tags move against it (kTags); where there is none, or its corners move as well
-/// (kCorners), the prior on the shifts fixes what pictures cannot tell: place, turn and scale.
+/// Which departures of the platform's own plate an adjustment may find. The checker is one print:
+/// where there is one, it holds the frame and tags move against it (kTags); where there is none, or
+/// its corners move as well (kCorners), the prior on the shifts fixes what pictures cannot tell:
+/// place, turn and scale.
 enum class PlatformMoves { kNone, kTags, kCorners };
 struct PlatformModel {
   PlatformMoves moves = PlatformMoves::kNone;

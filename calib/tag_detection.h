@@ -14,8 +14,9 @@ namespace lfm {
 /// One tag seen in a picture.
 struct TagDetection {
   int id = 0;
-  /// The black square's corners in the order of `Board::TagCorners`: top-left, top-right,
-  /// bottom-right, bottom-left of the tag as printed. Pixels, centre of the top-left pixel (0, 0).
+  /// The detected square's corners (`Board`) in the order of `Board::TagCorners`: top-left,
+  /// top-right, bottom-right, bottom-left of the tag as printed. Pixels, centre of the top-left
+  /// pixel (0, 0).
   std::array<Eigen::Vector2d, 4> corners;
 };
 
@@ -23,11 +24,13 @@ struct TagDetection {
 /// .5 and its corner order are converted here.
 ///
 /// Corners are good to about half a pixel: the library works on coded values, in which white bleeds
-/// into black. One object serves one thread at a time; making one takes some tens of milliseconds.
+/// into black. Tags with a border of two cells, which Kalibr prints with their corners touching,
+/// are searched in a picture of twice the size with those parted. One object serves one thread at a
+/// time; making one takes some tens of milliseconds.
 class TagDetector {
  public:
-  /// Throws Error when the family is unknown.
-  explicit TagDetector(const std::string& family);
+  /// Throws Error when the family is unknown or has no such border.
+  explicit TagDetector(const std::string& family, int border_cells = 1);
   ~TagDetector();
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;

@@ -47,10 +47,10 @@ struct Radiosity {
     }
     const Patch& patch = scene->patches()[hit.patch];
     const Eigen::Vector3d d = point.cast<double>() - patch.origin;
-    const float albedo = patch.material == PatchMaterial::kTable
-                             ? kTableAlbedo
-                             : reflectance->Albedo(patch.material, point);
-    return albedo / kPi * (*patches)[hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v));
+    const V3f albedo = patch.material == PatchMaterial::kTable ? V3f::Constant(kTableAlbedo)
+                                                               : reflectance->Color(patch, point);
+    return (albedo / kPi)
+        .cwiseProduct((*patches)[hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v)));
   }
 };
 

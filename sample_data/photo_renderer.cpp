@@ -21,7 +21,7 @@ struct Sample {
   SurfaceHit hit;
   V3f point = V3f::Zero();
   V3f direction = V3f::Zero();  // not unit
-  float albedo = 0;             // of a patch
+  V3f albedo = V3f::Zero();     // of a patch
 };
 
 class PhotoTracer {
@@ -83,9 +83,9 @@ class PhotoTracer {
     s.direction = {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
     s.point = eye_ + s.hit.distance * s.direction;
     if (s.hit.patch >= 0) {
-      const PatchMaterial material = scene_.patches()[s.hit.patch].material;
+      const Patch& patch = scene_.patches()[s.hit.patch];
       // The table's grain is coarse: one look a pixel is enough.
-      if (material != PatchMaterial::kTable) s.albedo = reflectance_.Albedo(material, s.point);
+      if (patch.material != PatchMaterial::kTable) s.albedo = reflectance_.Color(patch, s.point);
     }
     return s;
   }
@@ -106,11 +106,11 @@ class PhotoTracer {
   V3f ShadePatch(const Sample& s) const {
     const Patch& patch = scene_.patches()[s.hit.patch];
     const Eigen::Vector3d d = s.point.cast<double>() - patch.origin;
-    const float albedo = patch.material == PatchMaterial::kTable
-                             ? reflectance_.Albedo(patch.material, s.point)
-                             : s.albedo;
-    return albedo / std::numbers::pi_v<float> *
-           shading_.light.patches[s.hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v));
+    const V3f albedo =
+        patch.material == PatchMaterial::kTable ? reflectance_.Color(patch, s.point) : s.albedo;
+    return (albedo / std::numbers::pi_v<float>)
+        .cwiseProduct(
+            shading_.light.patches[s.hit.patch].Sample(patch, d.dot(patch.u), d.dot(patch.v)));
   }
 
   V3f ShadeCoat(const Sample& s) const {

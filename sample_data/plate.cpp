@@ -18,18 +18,40 @@ constexpr double kMostSigmas = 2.5;
 
 }  // namespace
 
-Board PrintedBoard(const Board& nominal, const PlatformTrouble& trouble, uint64_t seed) {
-  Board printed = nominal;
+namespace {
+
+// `first_tag` counts the tags of the plates before.
+void PrintPlate(Board& plate, const PlatformTrouble& trouble, uint64_t seed, size_t first_tag) {
   const double scale = 1 + trouble.print_scale_percent / 100;
-  printed.tag_size_mm *= scale;
-  printed.checker_square_mm *= scale;
-  for (size_t i = 0; i < printed.tags.size(); ++i) {
-    RandomStream random(seed, kPrintStream, i);
-    Eigen::Vector2d& center = printed.tags[i].center_mm;
+  plate.tag_size_mm *= scale;
+  plate.checker_square_mm *= scale;
+  for (BoardCircle& circle : plate.circles) {
+    circle.center_mm *= scale;
+    circle.diameter_mm *= scale;
+  }
+  for (BoardSquare& square : plate.squares) {
+    square.center_mm *= scale;
+    square.size_mm *= scale;
+  }
+  for (size_t i = 0; i < plate.tags.size(); ++i) {
+    RandomStream random(seed, kPrintStream, first_tag + i);
+    Eigen::Vector2d& center = plate.tags[i].center_mm;
     center *= scale;
     for (int axis = 0; axis < 2; ++axis) {
       center[axis] += trouble.tag_error_mm * std::clamp(random.Normal(), -kMostSigmas, kMostSigmas);
     }
+  }
+}
+
+}  // namespace
+
+Board PrintedBoard(const Board& nominal, const PlatformTrouble& trouble, uint64_t seed) {
+  Board printed = nominal;
+  PrintPlate(printed, trouble, seed, 0);
+  size_t tags = printed.tags.size();
+  for (AttachedBoard& attached : printed.attached) {
+    PrintPlate(attached.board, trouble, seed, tags);
+    tags += attached.board.tags.size();
   }
   ValidateBoard(printed, "the board as printed (tag-error, print-scale)");
   return printed;
@@ -63,7 +85,10 @@ std::vector<Patch> MakeBentPlateAndTable(const Board& board, double sag_mm,
   const double z = PlateHeight(board, sag_mm, w / 2) - t;
   patches.push_back({V3(w / 2, -h / 2, z), V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge});
   patches.push_back({V3(-w / 2, h / 2, z), -V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge});
-  patches.push_back(flat.back());  // the table
+  // Attached boards are stiff and stay; the table is last.
+  for (const Patch& patch : flat) {
+    if (patch.plate > 0 || patch.material == PatchMaterial::kTable) patches.push_back(patch);
+  }
   return patches;
 }
 
@@ -72,15 +97,20 @@ void WritePlatformTruth(const Board& printed, double sag_mm, const std::filesyst
     return nlohmann::json{p.x(), p.y(), PlateHeight(printed, sag_mm, p.x())};
   };
   nlohmann::json json = {{"plate_sag_mm", sag_mm}};
-  json["tags"] = nlohmann::json::array();
-  for (const BoardTag& tag : printed.tags) {
-    nlohmann::json corners = nlohmann::json::array();
-    for (const V3& corner : printed.TagCorners(tag)) corners.push_back(point(corner));
-    json["tags"].push_back({{"id", tag.id}, {"corners_mm", corners}});
-  }
-  json["checker_corners_mm"] = nlohmann::json::array();
-  for (const V3& corner : printed.CheckerCorners()) {
-    json["checker_corners_mm"].push_back(point(corner));
+  json["tags"] = json["checker_corners_mm"] = nlohmann::json::array();
+  for (const BoardPlate& plate : PlatesOf(printed)) {
+    const auto world = [&](const V3& p) {
+      const V3 q = plate.world_from_plate * p;
+      return plate.board == &printed ? point(q) : nlohmann::json{q.x(), q.y(), q.z()};
+    };
+    for (const BoardTag& tag : plate.board->tags) {
+      nlohmann::json corners = nlohmann::json::array();
+      for (const V3& corner : plate.board->TagCorners(tag)) corners.push_back(world(corner));
+      json["tags"].push_back({{"id", tag.id}, {"corners_mm", corners}});
+    }
+    for (const V3& corner : plate.board->CheckerCorners()) {
+      json["checker_corners_mm"].push_back(world(corner));
+    }
   }
   WriteJson(json, file);
 }

@@ -127,7 +127,7 @@ class ScanTracer {
     } else {
       const Patch& patch = subject_.scene->patches()[hit.patch];
       p.normal = patch.Normal().cast<float>();
-      p.albedo = subject_.reflectance->Albedo(patch.material, p.point);
+      p.albedo = subject_.reflectance->Albedo(patch, p.point);
       p.bounces = patch.material != PatchMaterial::kTable;
     }
     return p;

@@ -58,6 +58,17 @@ std::string PhotoEnding(const StudioOptions& options) {
 }
 
 // One run of the studio.
+Board ChooseBoard(const std::string& file) {
+  if (file.empty()) return DefaultBoard();
+  Board board = ReadBoard(file);
+  if (std::max(board.width_mm, board.height_mm) > kTableSizeMm) {
+    throw Error(file + ": the board is larger than the studio's table of " +
+                std::to_string(static_cast<int>(kTableSizeMm)) +
+                " mm; use a smaller one (lengths are millimetres)");
+  }
+  return board;
+}
+
 class Studio {
  public:
   Studio(const StudioOptions& options, const PictureSink& sink, Progress& progress)
@@ -69,7 +80,8 @@ class Studio {
         seed_(static_cast<uint64_t>(options.seed)),
         sag_mm_(options.trouble.platform.plate_sag_mm),
         sensor_(MakeSensor(options)),
-        board_(PrintedBoard(DefaultBoard(), options.trouble.platform, seed_)),
+        nominal_(ChooseBoard(options.board)),
+        board_(PrintedBoard(nominal_, options.trouble.platform, seed_)),
         reflectance_(board_) {}
 
   StudioResult Run() {
@@ -83,6 +95,7 @@ class Studio {
     TakePhotos();
     if (options_.scans > 0 || options_.placements > 0) ScanObject();
     result_.mesh = std::move(subject_.mesh);
+    result_.board = nominal_;
     result_.printed = board_;
     return std::move(result_);
   }
@@ -264,7 +277,7 @@ class Studio {
   uint64_t seed_;
   double sag_mm_;
   Sensor sensor_;
-  Board board_;  // as printed
+  Board nominal_, board_;  // as designed, as printed
   SetReflectance reflectance_;
   std::optional<SceneDescription> scene_description_;  // none: the subject is painted
   Subject subject_;
@@ -355,7 +368,7 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   WriteStudioReport(options, result.report, truth.folder / "studio.json");
   NoteReport(result.report, progress);
   SaveCapture(truth);
-  WriteBoard(DefaultBoard(), folder / capture.board);
+  WriteBoard(result.board, folder / capture.board);
   SaveCapture(capture);
 }
 

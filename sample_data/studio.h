@@ -23,7 +23,8 @@ struct StudioResult {
   Capture truth;      ///< the same with intrinsics, poses, masks and the mesh; files relative to
                       ///< the capture's folder `ground_truth`
   TriangleMesh mesh;  ///< the object as rendered, world frame, coloured by its diffuse albedo
-  Board printed;      ///< the board as printed; capture.board describes the nominal one
+  Board board;        ///< as designed: what capture.board describes
+  Board printed;      ///< the same as printed
   std::vector<PhotoConditions> conditions;  ///< one a photograph
   StudioReport report;                      ///< rays and noise of light, photographs and scans
 };

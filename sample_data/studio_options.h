@@ -18,6 +18,7 @@ struct StudioOptions {
   std::string scene = "bust";  ///< built in, or a scene file; `mesh` replaces it
   std::string mesh;
   double mesh_height_mm = 120;
+  std::string board;  ///< a board file; empty: DefaultBoard
   int seed = 1;
   RenderQuality quality = RenderQuality::kDefault;
   int transport_channels = 1;
@@ -56,6 +57,8 @@ struct StudioOptions {
             "Colours: its vertices', or its materials' and their pictures."},
            mesh);
     v.Number({"mesh-height", "Scale --mesh to this height.", "mm", 1, 160}, mesh_height_mm);
+    v.Text({"board", "A board file (of lfm-board): the platform, instead of the usual one."},
+           board);
     v.Integer({"seed", "Seed of hand-held jitter, paint and noise.", "", 0, 1e9}, seed);
     v.Flag({"tiny",
             "A small, quick capture: sizes and counts that are not given take their tiny values."},

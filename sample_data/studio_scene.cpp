@@ -42,14 +42,34 @@ void AttachTriangles(RTCDevice device, RTCScene scene, unsigned id,
 
 std::vector<Patch> MakePlateAndTable(const Board& board, const Pose& world_from_table) {
   using V3 = Eigen::Vector3d;
-  const double w = board.width_mm, h = board.height_mm, t = kPlateThicknessMm;
-  std::vector<Patch> patches = {
-      {V3(-w / 2, -h / 2, 0), V3::UnitX(), V3::UnitY(), w, h, PatchMaterial::kPrint},
-      {V3(-w / 2, -h / 2, -t), V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
-      {V3(w / 2, h / 2, -t), -V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
-      {V3(w / 2, -h / 2, -t), V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
-      {V3(-w / 2, h / 2, -t), -V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
-  };
+  std::vector<Patch> patches;
+  const std::vector<BoardPlate> plates = PlatesOf(board);
+  for (size_t i = 0; i < plates.size(); ++i) {
+    const double w = plates[i].board->width_mm, h = plates[i].board->height_mm;
+    const double t = i == 0 ? kPlateThicknessMm : kAttachedThicknessMm;
+    std::vector<Patch> slab = {
+        {V3(-w / 2, -h / 2, 0), V3::UnitX(), V3::UnitY(), w, h, PatchMaterial::kPrint},
+        {V3(-w / 2, -h / 2, -t), V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
+        {V3(w / 2, h / 2, -t), -V3::UnitX(), V3::UnitZ(), w, t, PatchMaterial::kEdge},
+        {V3(w / 2, -h / 2, -t), V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
+        {V3(-w / 2, h / 2, -t), -V3::UnitY(), V3::UnitZ(), h, t, PatchMaterial::kEdge},
+    };
+    // The back of one that stands upright is seen.
+    if (i > 0) {
+      slab.push_back(
+          {V3(w / 2, -h / 2, -t), -V3::UnitX(), V3::UnitY(), w, h, PatchMaterial::kEdge});
+    }
+    const Pose& pose = plates[i].world_from_plate;
+    for (Patch& patch : slab) {
+      patch.plate = static_cast<int>(i);
+      if (i > 0) {
+        patch.origin = pose * patch.origin;
+        patch.u = pose.rotation * patch.u;
+        patch.v = pose.rotation * patch.v;
+      }
+      patches.push_back(patch);
+    }
+  }
   const double s = kTableSizeMm;
   patches.push_back({world_from_table * V3(-s / 2, -s / 2, 0),
                      world_from_table.rotation * V3::UnitX(),
@@ -146,20 +166,34 @@ bool StudioScene::Blocked(const RayPacket& packet, int lane) {
   return packet.rays.ray.tfar[lane] < 0;
 }
 
-float SetReflectance::Albedo(PatchMaterial material, const Eigen::Vector3f& point) const {
-  switch (material) {
+Eigen::Vector3f SetReflectance::Color(const Patch& patch, const Eigen::Vector3f& point) const {
+  using V3f = Eigen::Vector3f;
+  switch (patch.material) {
     case PatchMaterial::kPrint: {
-      const double value = print_.Value({point.x(), point.y()});
-      return value < 0 ? kEdgeAlbedo
-                       : kInkAlbedo + static_cast<float>(value) * (kPaperAlbedo - kInkAlbedo);
+      Eigen::Vector2d on_plate(point.x(), point.y());
+      const BoardPrint* print = &print_;
+      if (patch.plate > 0) {
+        const BoardPrint::Plate plate = print_.PlateAt(patch.plate);
+        on_plate = (plate.plate_from_world * point.cast<double>()).head<2>();
+        print = plate.print;
+      }
+      const std::optional<V3f> color = print->Color(on_plate);
+      if (!color) return V3f::Constant(kEdgeAlbedo);
+      return V3f::Constant(kInkAlbedo) + *color * (kPaperAlbedo - kInkAlbedo);
     }
     case PatchMaterial::kEdge:
-      return kEdgeAlbedo;
+      return V3f::Constant(kEdgeAlbedo);
     case PatchMaterial::kTable:
       break;
   }
-  return kTableAlbedo *
-         (1 + 0.35f * static_cast<float>(GradientNoise(point.cast<double>() / 25, 5)));
+  return V3f::Constant(
+      kTableAlbedo * (1 + 0.35f * static_cast<float>(GradientNoise(point.cast<double>() / 25, 5))));
+}
+
+float SetReflectance::Albedo(const Patch& patch, const Eigen::Vector3f& point) const {
+  const Eigen::Vector3f color = Color(patch, point);
+  const bool gray = color.x() == color.y() && color.y() == color.z();
+  return gray ? color.x() : color.dot(Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f));
 }
 
 }  // namespace lfm

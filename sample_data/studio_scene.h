@@ -21,15 +21,17 @@ struct Patch {
   Eigen::Vector3d u = {1, 0, 0}, v = {0, 1, 0};  ///< unit; u x v is the normal
   double width = 0, height = 0;
   PatchMaterial material = PatchMaterial::kTable;
+  int plate = 0;  ///< of PlatesOf(board): whose print or edge this is
 
   Eigen::Vector3d Normal() const { return u.cross(v); }
 };
 
-/// The plate (its print on top, z = 0) and the dark table. `world_from_table` moves the table: the
-/// platform may be lifted off it and tilted.
+/// The plate (its print on top, z = 0), attached boards (print and edges, 1 mm thick), and, last,
+/// the dark table. `world_from_table` moves the table: the platform may be lifted off it and
+/// tilted.
 std::vector<Patch> MakePlateAndTable(const Board& board, const Pose& world_from_table);
 
-inline constexpr double kPlateThicknessMm = 5;
+inline constexpr double kPlateThicknessMm = 5, kAttachedThicknessMm = 1;
 inline constexpr double kTableSizeMm = 1600;
 /// Albedo of the plate's paper, and the mean of the table's.
 inline constexpr float kPaperAlbedo = 0.60f, kTableAlbedo = 0.07f;
@@ -83,8 +85,10 @@ class StudioScene {
 class SetReflectance {
  public:
   explicit SetReflectance(const Board& board) : print_(board) {}
-  /// Albedo (gray) at `point` on a patch of `material`.
-  float Albedo(PatchMaterial material, const Eigen::Vector3f& point) const;
+  /// Linear RGB albedo at `point` (world) on `patch`.
+  Eigen::Vector3f Color(const Patch& patch, const Eigen::Vector3f& point) const;
+  /// Its Rec. 709 luminance: what a gray camera sees.
+  float Albedo(const Patch& patch, const Eigen::Vector3f& point) const;
 
  private:
   BoardPrint print_;

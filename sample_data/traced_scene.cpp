@@ -218,8 +218,7 @@ SurfacePoint TracedScene::Surface(const RayPacket& packet, int lane, const V3f& 
   const int patch = met.triangle / 2;
   Material material;
   material.kind = MaterialKind::kLambert;
-  material.diffuse =
-      V3f::Constant(reflectance_->Albedo(patches_[patch].material, FromLane(found.position)));
+  material.diffuse = reflectance_->Color(patches_[patch], FromLane(found.position));
   SurfacePoint surface = TurnedPoint(found, material, -direction);
   surface.patch = patch;
   return surface;
@@ -231,9 +230,8 @@ void TracedScene::LookUpColors(const RayPacket& packet, int lanes, SurfacePack& 
     if ((pack.flags[lane] & kLookedUp) == 0) continue;
     const V3f position(pack.position[0][lane], pack.position[1][lane], pack.position[2][lane]);
     if ((pack.flags[lane] & kIsPatch) != 0) {
-      const Patch& patch = patches_[hit.primID[lane] / 2];
-      const float albedo = reflectance_->Albedo(patch.material, position);
-      for (auto& channel : pack.diffuse) channel[lane] = albedo;
+      const V3f color = reflectance_->Color(patches_[hit.primID[lane] / 2], position);
+      for (int c = 0; c < 3; ++c) pack.diffuse[c][lane] = color[c];
       continue;
     }
     const Material material =

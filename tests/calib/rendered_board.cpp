@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "calib/corner_refinement.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -14,64 +15,122 @@ namespace {
 
 constexpr double kInk = 0.05, kPaper = 0.8, kBackground = 0.25, kObject = 0.1;
 
-// Where the rays through the pixel corners meet the plate; interpolated inside a pixel.
-std::vector<Eigen::Vector2d> PlateAtPixelCorners(const Camera& camera, const Pose& pose,
-                                                 const Eigen::Vector3d& bend) {
-  const Pose world_from_camera = pose.Inverse();
-  std::vector<Eigen::Vector2d> plate(static_cast<size_t>(camera.width + 1) * (camera.height + 1));
+// Where the rays through the pixel corners meet a plate, and how far away; interpolated inside a
+// pixel.
+struct PlateView {
+  const BoardPrint* print = nullptr;
+  bool from_behind = false;
+  std::vector<Eigen::Vector3d> at_corners;  // x, y on the plate, distance
+};
+
+// Where a ray from `eye` through a flat plate's point `p` meets the bent one: its slope is small,
+// each round gains a digit or more.
+Eigen::Vector2d OntoBend(Eigen::Vector2d p, const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+                         const Eigen::Vector3d& bend) {
+  for (int round = 0; round < 12 && p.norm() <= 500; ++round) {
+    const double height = bend.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
+    p = (eye + (height - eye.z()) / ray.z() * ray).head<2>();
+  }
+  return p;
+}
+
+PlateView ViewPlate(const BoardPrint::Plate& plate, const Camera& camera,
+                    const Pose& camera_from_world, const Eigen::Vector3d& bend) {
+  const Pose plate_from_camera = (camera_from_world * plate.world_from_plate).Inverse();
+  const Eigen::Vector3d& eye = plate_from_camera.translation;
+  PlateView view{plate.print, eye.z() <= 0, {}};
+  view.at_corners.resize(static_cast<size_t>(camera.width + 1) * (camera.height + 1));
   ParallelFor(0, camera.height + 1, [&](int64_t y) {
     for (int x = 0; x <= camera.width; ++x) {
       const Eigen::Vector3d ray =
-          world_from_camera.rotation * Unproject(camera, {x - 0.5, static_cast<double>(y) - 0.5});
-      const Eigen::Vector3d& eye = world_from_camera.translation;
+          plate_from_camera.rotation * Unproject(camera, {x - 0.5, static_cast<double>(y) - 0.5});
       // Rays that miss the plane look far beyond the plate.
-      const double t = ray.z() < -1e-6 ? -eye.z() / ray.z() : 1e9;
+      const double t = ray.z() * eye.z() < -1e-6 * std::abs(eye.z()) ? -eye.z() / ray.z() : 1e9;
       Eigen::Vector2d p = (eye + t * ray).head<2>();
-      // Onto the bent plate: its slope is small, each round gains a digit or more.
-      for (int round = 0; round < 12 && t < 1e9 && !bend.isZero(0); ++round) {
-        const double height =
-            bend.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
-        p = (eye + (height - eye.z()) / ray.z() * ray).head<2>();
-        if (p.norm() > 500) break;
-      }
-      plate[static_cast<size_t>(y) * (camera.width + 1) + x] = p;
+      if (t < 1e9 && !bend.isZero(0)) p = OntoBend(p, eye, ray, bend);
+      view.at_corners[static_cast<size_t>(y) * (camera.width + 1) + x] = {p.x(), p.y(), t};
     }
   });
-  return plate;
+  return view;
+}
+
+Eigen::Vector3d Reflected(const std::vector<PlateView>& views, const Camera& camera, int x, int y,
+                          double u, double v) {
+  const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
+  Eigen::Vector3d color = Eigen::Vector3d::Constant(kBackground);
+  double nearest = 1e8;
+  for (const PlateView& view : views) {
+    const std::vector<Eigen::Vector3d>& c = view.at_corners;
+    const Eigen::Vector3d p = (1 - v) * ((1 - u) * c[i] + u * c[i + 1]) +
+                              v * ((1 - u) * c[i + camera.width + 1] + u * c[i + camera.width + 2]);
+    if (!(p.z() < nearest)) continue;
+    const auto print = view.print->Color(p.head<2>());
+    if (!print) continue;
+    nearest = p.z();
+    color = Eigen::Vector3d::Constant(view.from_behind ? kBackground : kInk);
+    if (!view.from_behind) color += (kPaper - kInk) * print->cast<double>();
+  }
+  return color;
+}
+
+std::vector<Eigen::Vector3d> RenderLinear(const BoardPrint& print, const Camera& camera,
+                                          const Pose& camera_from_world,
+                                          const RenderSettings& settings) {
+  std::vector<PlateView> views;
+  for (int plate = 0; plate < print.Plates(); ++plate) {
+    // Attached boards are stiff.
+    const Eigen::Vector3d bend = plate == 0 ? settings.bend_per_mm : Eigen::Vector3d::Zero();
+    views.push_back(ViewPlate(print.PlateAt(plate), camera, camera_from_world, bend));
+  }
+  const int n = settings.subsamples;
+  std::vector<Eigen::Vector3d> linear(static_cast<size_t>(camera.width) * camera.height);
+  ParallelFor(0, camera.height, [&](int64_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < camera.width; ++x) {
+      Eigen::Vector3d sum(0, 0, 0);
+      for (int s = 0; s < n * n; ++s) {
+        sum += Reflected(views, camera, x, y, (s % n + 0.5) / n, (s / n + 0.5) / n);
+      }
+      Eigen::Vector3d value =
+          sum / (n * n) *
+          (1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5));
+      const double ex = (x - camera.width / 2.0) / (camera.width / 2.0);
+      const double ey = (y - camera.height / 2.0) / (camera.height / 2.0);
+      if (std::hypot(ex, ey) < settings.hidden_share) value.setConstant(kObject);
+      linear[static_cast<size_t>(y) * camera.width + x] = value.cwiseProduct(settings.gains);
+    }
+  });
+  return linear;
+}
+
+void Blur(std::vector<Eigen::Vector3d>& linear, const Camera& camera, double blur_px) {
+  for (int c = 0; c < 3; ++c) {
+    Image channel(camera.width, camera.height, 1, PixelType::kFloat32, ColorEncoding::kLinear);
+    for (size_t i = 0; i < linear.size(); ++i) {
+      channel.Data<float>()[i] = static_cast<float>(linear[i][c]);
+    }
+    channel = BlurGray(channel, blur_px);
+    for (size_t i = 0; i < linear.size(); ++i) linear[i][c] = channel.Data<float>()[i];
+  }
 }
 
 }  // namespace
 
 Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
                   const RenderSettings& settings) {
-  const std::vector<Eigen::Vector2d> plate =
-      PlateAtPixelCorners(camera, camera_from_world, settings.bend_per_mm);
+  std::vector<Eigen::Vector3d> linear = RenderLinear(print, camera, camera_from_world, settings);
+  if (settings.blur_px > 0) Blur(linear, camera, settings.blur_px);
   Image picture(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  const int n = settings.subsamples;
   ParallelFor(0, camera.height, [&](int64_t row) {
     std::mt19937 random(settings.seed * 7919u + static_cast<uint32_t>(row));
     std::normal_distribution<double> normal;
     const int y = static_cast<int>(row);
     for (int x = 0; x < camera.width; ++x) {
-      const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
-      double sum = 0;
-      for (int s = 0; s < n * n; ++s) {
-        const double u = (s % n + 0.5) / n, v = (s / n + 0.5) / n;
-        const Eigen::Vector2d p =
-            (1 - v) * ((1 - u) * plate[i] + u * plate[i + 1]) +
-            v * ((1 - u) * plate[i + camera.width + 1] + u * plate[i + camera.width + 2]);
-        const double print_value = print.Value(p);
-        sum += print_value < 0 ? kBackground : kInk + (kPaper - kInk) * print_value;
-      }
-      double linear = sum / (n * n) *
-                      (1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5));
-      const double ex = (x - camera.width / 2.0) / (camera.width / 2.0);
-      const double ey = (y - camera.height / 2.0) / (camera.height / 2.0);
-      if (std::hypot(ex, ey) < settings.hidden_share) linear = kObject;
       for (int c = 0; c < 3; ++c) {
-        double noisy = linear;
+        const double value = linear[static_cast<size_t>(y) * camera.width + x][c];
+        double noisy = value;
         if (settings.full_well > 0) {
-          const double electrons = linear * settings.full_well;
+          const double electrons = value * settings.full_well;
           noisy += normal(random) *
                    std::sqrt(electrons + settings.read_noise * settings.read_noise) /
                    settings.full_well;

@@ -23,9 +23,12 @@ struct RenderSettings {
   double light_gradient = 0.3;  ///< relative change of light across the picture
   double hidden_share = 0;      ///< an ellipse of this share of width and height hides the middle
   Eigen::Vector3d bend_per_mm = {0, 0, 0};  ///< of the plate, as PlatformShape has it
+  Eigen::Vector3d gains = {1, 1, 1};        ///< white balance: factors of red, green, blue
+  double blur_px = 0;                       ///< standard deviation
 };
 
-/// An 8-bit sRGB picture of the printed plate before a gray background: ink 0.05, paper 0.8.
+/// An 8-bit sRGB picture of the printed plate, and of those attached to it, before a gray
+/// background: ink 0.05, paper 0.8.
 Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
                   const RenderSettings& settings = {});
 
