@@ -101,25 +101,33 @@ TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
   ASSERT_EQ(evaluated.status, 0) << evaluated.err;
   const json with_truth = ReadJson(small.work() / "report" / "report.json");
   // About three times what a sound run of so small a capture reaches.
-  const std::tuple<const char*, double, double> bounds[] = {{"pose_median_mm", 0, 0.1},
-                                                            {"pose_median_deg", 0, 0.01},
-                                                            {"pose_max_mm", 0, 0.3},
-                                                            {"pose_max_deg", 0, 0.05},
-                                                            {"points_median_mm", 0, 0.2},
-                                                            {"points_p95_mm", 0, 0.7},
-                                                            {"points_over_1_mm_share", -1, 0.01},
-                                                            {"points_completeness", 0.6, 1},
-                                                            {"seen_share", 0.6, 1},
-                                                            {"surface_mean_mm", 0, 0.6},
-                                                            {"surface_rms_mm", 0, 3},
-                                                            {"surface_p95_mm", 0, 2},
-                                                            {"surface_max_mm", 0, 30},
-                                                            {"surface_accuracy", 0.3, 1},
-                                                            {"surface_completeness", 0.3, 1},
-                                                            {"surface_f_score", 0.3, 1},
-                                                            {"mesh_mean_mm", 0, 0.9},
-                                                            {"mesh_p95_mm", 0, 2.6},
-                                                            {"heldout_psnr_noisefree_db", 20, 60}};
+  const std::tuple<const char*, double, double> bounds[] = {
+      {"pose_median_mm", 0, 0.1},
+      {"pose_median_deg", 0, 0.01},
+      {"pose_max_mm", 0, 0.3},
+      {"pose_max_deg", 0, 0.05},
+      {"pose_aligned_median_mm", 0, 0.1},
+      {"pose_scale_percent", -0.1, 0.1},
+      {"pose_chi2", 0.05, 30},
+      {"focal_error_percent", 0, 0.3},
+      {"principal_point_error_px", 0, 2},
+      {"scanner_focal_error_percent", 0, 0.5},
+      {"scanner_principal_point_error_px", 0, 3},
+      {"points_median_mm", 0, 0.2},
+      {"points_p95_mm", 0, 0.7},
+      {"points_over_1_mm_share", -1, 0.01},
+      {"points_completeness", 0.6, 1},
+      {"seen_share", 0.6, 1},
+      {"surface_mean_mm", 0, 0.6},
+      {"surface_rms_mm", 0, 3},
+      {"surface_p95_mm", 0, 2},
+      {"surface_max_mm", 0, 30},
+      {"surface_accuracy", 0.3, 1},
+      {"surface_completeness", 0.3, 1},
+      {"surface_f_score", 0.3, 1},
+      {"mesh_mean_mm", 0, 0.9},
+      {"mesh_p95_mm", 0, 2.6},
+      {"heldout_psnr_noisefree_db", 20, 60}};
   for (const auto& [key, above, below] : bounds) {
     ASSERT_TRUE(with_truth["truth"].contains(key)) << key;
     EXPECT_GT(with_truth["truth"][key].get<double>(), above) << key;
