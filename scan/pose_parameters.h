@@ -51,4 +51,37 @@ inline Eigen::Matrix<double, 6, 6> WhitenPose(const Eigen::Matrix<double, 6, 6>&
   return factor.matrixL().solve(Eigen::Matrix<double, 6, 6>::Identity());
 }
 
+/// How far one pose lies from a known one: rotation vector on the left (rad; half the skew part of
+/// the rotation between them, right to second order) and translation (mm).
+template <typename T>
+Eigen::Matrix<T, 6, 1> PoseOff(const Eigen::Matrix<T, 3, 3>& rotation,
+                               const Eigen::Matrix<T, 3, 1>& translation,
+                               const Eigen::Matrix<T, 3, 3>& known_rotation,
+                               const Eigen::Matrix<T, 3, 1>& known_translation) {
+  const Eigen::Matrix<T, 3, 3> off = rotation * known_rotation.transpose();
+  Eigen::Matrix<T, 6, 1> result;
+  result << (off(2, 1) - off(1, 2)) / 2.0, (off(0, 2) - off(2, 0)) / 2.0,
+      (off(1, 0) - off(0, 1)) / 2.0, translation - known_translation;
+  return result;
+}
+
+/// How far a pose lies from what was known of it beforehand, whitened; the parameters are about
+/// `start_rotation`.
+struct PosePrior {
+  Eigen::Matrix<double, 6, 6> whitening;
+  Pose known;
+  Eigen::Matrix3d start_rotation;
+
+  template <typename T>
+  bool operator()(const T* pose, T* residual) const {
+    using Vector = Eigen::Matrix<T, 3, 1>;
+    const Eigen::Matrix<T, 3, 3> known_rotation = known.rotation.cast<T>();
+    Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residual);
+    out = whitening.cast<T>() * PoseOff<T>(RotationOf<T>(start_rotation, pose),
+                                           Vector(pose[3], pose[4], pose[5]), known_rotation,
+                                           Vector(known.translation.cast<T>()));
+    return true;
+  }
+};
+
 }  // namespace lfm

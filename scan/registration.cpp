@@ -131,23 +131,6 @@ struct SurfaceResidual {
   }
 };
 
-struct StartResidual {
-  Eigen::Matrix<double, 6, 6> whitening;
-  Eigen::Matrix3d start, current;
-  Eigen::Vector3d translation;
-  template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    const Eigen::Matrix<T, 3, 3> off = RotationOf<T>(current, pose) * start.transpose().cast<T>();
-    Eigen::Matrix<T, 6, 1> raw;
-    raw << (off(2, 1) - off(1, 2)) / 2.0, (off(0, 2) - off(2, 0)) / 2.0,
-        (off(1, 0) - off(0, 1)) / 2.0, pose[3] - translation[0], pose[4] - translation[1],
-        pose[5] - translation[2];
-    Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residual);
-    out = whitening.cast<T>() * raw;
-    return true;
-  }
-};
-
 std::vector<Pose> AdjustPoses(const Search& search, const std::vector<Pose>& poses,
                               const std::vector<Eigen::Matrix<double, 6, 6>>& covariances,
                               const std::vector<Partner>& partners) {
@@ -161,11 +144,9 @@ std::vector<Pose> AdjustPoses(const Search& search, const std::vector<Pose>& pos
     Eigen::Matrix<double, 6, 6> covariance = covariances[i];
     covariance.diagonal().head<3>().array() += kTurnFloorRad * kTurnFloorRad;
     covariance.diagonal().tail<3>().array() += kShiftFloorMm * kShiftFloorMm;
-    const Pose& start = search.starts[i];
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<StartResidual, 6, 6>(new StartResidual{
-            WhitenPose(covariance), start.rotation, poses[i].rotation, start.translation}),
-        nullptr, unknowns[i].data());
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 6>(new PosePrior{
+                                 WhitenPose(covariance), search.starts[i], poses[i].rotation}),
+                             nullptr, unknowns[i].data());
   }
   const double share = 1 / std::sqrt(search.options.correlation);
   for (const Partner& p : partners) {

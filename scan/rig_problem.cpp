@@ -120,26 +120,6 @@ struct CornerResidual {
   }
 };
 
-/// How far a pose lies from what was known of it beforehand, whitened.
-struct PosePrior {
-  Eigen::Matrix<double, 6, 6> whitening;
-  Pose known;
-  Eigen::Matrix3d platform_start;
-  template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    const Eigen::Matrix<T, 3, 3> off =
-        RotationOf<T>(platform_start, pose) * known.rotation.transpose().cast<T>();
-    Eigen::Matrix<T, 6, 1> raw;
-    // Small: half the skew part is the rotation vector to second order.
-    raw << (off(2, 1) - off(1, 2)) / 2.0, (off(0, 2) - off(2, 0)) / 2.0,
-        (off(1, 0) - off(0, 1)) / 2.0, pose[3] - known.translation[0],
-        pose[4] - known.translation[1], pose[5] - known.translation[2];
-    Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residual);
-    out = whitening.cast<T>() * raw;
-    return true;
-  }
-};
-
 std::vector<int> Range(int begin, int end) {
   std::vector<int> list;
   for (int i = begin; i < end; ++i) list.push_back(i);

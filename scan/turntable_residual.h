@@ -49,13 +49,10 @@ struct TurntableResidual {
     for (int c = 0; c < 3; ++c) put.col(c) = TurnBy<T>(turn.data(), base_rotation.col(c));
     const Vector from_axis = Vector(base[3], base[4], base[5]) - origin;
     const Vector put_origin = TurnBy<T>(turn.data(), from_axis) + origin;
-    const Eigen::Matrix<T, 3, 3> off = RotationOf<T>(member_start, member) * put.transpose();
-    Eigen::Matrix<T, 6, 1> raw;
-    // Small: half the skew part is the rotation vector to second order.
-    raw << (off(2, 1) - off(1, 2)) / 2.0, (off(0, 2) - off(2, 0)) / 2.0,
-        (off(1, 0) - off(0, 1)) / 2.0, Vector(member[3], member[4], member[5]) - put_origin;
     Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residual);
-    out = whitening.cast<T>() * raw;
+    out =
+        whitening.cast<T>() * PoseOff<T>(RotationOf<T>(member_start, member),
+                                         Vector(member[3], member[4], member[5]), put, put_origin);
     return true;
   }
 };

@@ -11,6 +11,7 @@
 #include "calib/calib_pictures.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "error_message.h"
 #include "rendered_board.h"
 
 namespace lfm {
@@ -26,15 +27,6 @@ constexpr double kReprojection_abs_px = 0.04;
 void ExpectPoseNear(const Pose& found, const Pose& expected, const std::string& id) {
   EXPECT_LT((found.Center() - expected.Center()).norm(), kCenter_abs_mm) << id;
   EXPECT_LT(RotationAngle(found.rotation, expected.rotation), kRotation_abs_deg * kDegree) << id;
-}
-
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 bool SameBits(const Camera& a, const Camera& b) {

@@ -5,25 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "calib/calib.h"
-#include "core/error.h"
+#include "error_message.h"
 #include "rendered_board.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kCenter_abs_mm = 0.15;
-
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string ReasonOf(const CalibResult& result, const std::string& id) {
   for (const RejectedImage& image : result.rejected) {
