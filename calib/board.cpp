@@ -75,29 +75,6 @@ std::vector<Eigen::Vector3d> Board::CheckerCorners() const {
   return corners;
 }
 
-Board DefaultBoard() {
-  constexpr int kTagsPerSide = 7;
-  constexpr double kPitchMm = 31;
-  Board board;
-  board.name = "platform-220";
-  board.width_mm = board.height_mm = 220;
-  board.tag_size_mm = 24;
-  board.checker_columns = board.checker_rows = 10;
-  board.checker_square_mm = 15;
-  for (int row = kTagsPerSide - 1; row >= 0; --row) {
-    for (int column = 0; column < kTagsPerSide; ++column) {
-      const bool on_border =
-          row == 0 || row == kTagsPerSide - 1 || column == 0 || column == kTagsPerSide - 1;
-      if (!on_border) continue;
-      BoardTag tag;
-      tag.id = static_cast<int>(board.tags.size());
-      tag.center_mm = {(column - kTagsPerSide / 2) * kPitchMm, (row - kTagsPerSide / 2) * kPitchMm};
-      board.tags.push_back(tag);
-    }
-  }
-  return board;
-}
-
 Image DrawBoard(const Board& board, double pixels_per_mm) {
   if (!(pixels_per_mm >= 0.1 && pixels_per_mm <= 100)) {
     throw Error("drawing a board: " + std::to_string(pixels_per_mm) +

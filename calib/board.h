@@ -123,6 +123,9 @@ class BoardPrint {
  public:
   /// Throws Error when the board is not valid.
   explicit BoardPrint(const Board& board);
+  /// Of a valid board whose tags moved a little: they may come nearer to each other, to squares and
+  /// to the edge than print may.
+  static BoardPrint WithMovedTags(const Board& board);
   ~BoardPrint();
   BoardPrint(const BoardPrint&);
   BoardPrint(BoardPrint&&) noexcept;
@@ -154,6 +157,7 @@ class BoardPrint {
   struct Attached;
   BoardPrint();
   void Prepare();
+  void PrepareAll();
   std::vector<PlacedTag> PlaceTags() const;
   void FillGrid();
   void FillRaster();

@@ -69,14 +69,15 @@ std::vector<std::string> AdviseOnBoard(const Board& board, double mm_per_pixel) 
   }
   if (corners < kMinCorners) {
     advice.push_back(Line(board.name.empty() ? "board" : board.name,
-                          "has %.0f corners, lfm-calib asks for %.0f in every picture "
-                          "(--min-corners); add tags or a checker",
+                          "has %.0f corners, fewer than %.0f: every picture must show all of them; "
+                          "add tags or a checker",
                           static_cast<double>(corners), static_cast<double>(kMinCorners)));
   }
   if (tags == 0) {
     advice.push_back((board.name.empty() ? "board" : board.name) +
                      ": has circles and no tags: only colour pictures show where it is, not a "
-                     "gray scanner's; for scans use --layout border --circles");
+                     "gray scanner's; for scans use --layout border "
+                     "--circles 12 --checker-columns 8 --checker-rows 8");
   }
   if (!board.tags.empty() && board.tags.size() < 3 && board.circles.size() < 4) {
     advice.push_back(Line(board.name.empty() ? "board" : board.name,

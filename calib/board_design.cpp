@@ -10,7 +10,7 @@
 namespace lfm {
 namespace {
 
-constexpr int kUsualCircles = 8;
+constexpr int kUsualCircles = 8, kFewestCircles = 4;
 // A circle's radius and the paper it needs beyond it, in diameters.
 constexpr double kCircleReach = 0.75;
 
@@ -81,6 +81,9 @@ void PlaceCircles(const BoardDesign& design, Board& board) {
                     : design.layout == BoardLayout::kCircles ? kUsualCircles
                                                              : 0;
   if (count == 0) return;
+  if (count < kFewestCircles) {
+    throw Error("circles: " + std::to_string(count) + "; a platform is found by four or more");
+  }
   const Eigen::Vector2d half = CircleTrack(design);
   if (!(half.minCoeff() > 0)) {
     throw Error("circle-diameter: " + std::to_string(design.circle_diameter_mm) +
@@ -131,5 +134,7 @@ Board DesignBoard(const BoardDesign& design) {
   ValidateBoard(board, "board design");
   return board;
 }
+
+Board DefaultBoard() { return DesignBoard({}); }
 
 }  // namespace lfm

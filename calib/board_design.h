@@ -73,7 +73,8 @@ struct BoardDesign {
 /// Border: `tag_columns` x `tag_rows` tags along the border of a grid, checker inside; circles in
 /// the middle of the strip between them. Grid: all tags of the grid. Circles: as near to the
 /// plate's edge as they may. Circles go evenly round from the top left, clockwise, in six colours;
-/// no quarter or half turn of the plate lays one on another of its colour.
+/// as long as those suffice, no quarter or half turn of the plate lays one on another of its
+/// colour.
 ///
 /// Throws Error when an option is out of range or the parts do not fit: what lies on what.
 Board DesignBoard(const BoardDesign& design);

@@ -131,9 +131,10 @@ std::variant<BoardMatch, BoardMismatch> MatchPlate(const BoardPlate& plate,
   return match;
 }
 
-// Adds what another plate says; the one with more tags leads.
+// Adds what another plate says; the one that shows more leads.
 BoardMatch JoinMatches(BoardMatch a, BoardMatch b) {
-  if (b.tags > a.tags) std::swap(a, b);
+  // points_mm are the leader's own, tags those of all plates so far.
+  if (b.points_mm.size() > a.points_mm.size()) std::swap(a, b);
   a.tags += b.tags;
   a.world_points.insert(a.world_points.end(), b.world_points.begin(), b.world_points.end());
   a.world_pixels.insert(a.world_pixels.end(), b.world_pixels.begin(), b.world_pixels.end());

@@ -27,8 +27,19 @@ struct BoardPrint::Attached {
 
 BoardPrint::BoardPrint(const Board& board) : board_(board) {
   ValidatePrint(board, board.name.empty() ? "board" : board.name);
+  PrepareAll();
+}
+
+BoardPrint BoardPrint::WithMovedTags(const Board& board) {
+  BoardPrint print;
+  print.board_ = board;
+  print.PrepareAll();
+  return print;
+}
+
+void BoardPrint::PrepareAll() {
   Prepare();
-  for (const AttachedBoard& attached : board.attached) {
+  for (const AttachedBoard& attached : board_.attached) {
     BoardPrint print;
     print.board_ = attached.board;
     print.Prepare();

@@ -177,7 +177,11 @@ VectorPage MakeSheet(const Board& board, const std::vector<VectorShape>& ink, co
   page.height_mm = tiling.paper.y();
   VectorGroup print;
   if (tiling.Sheets() > 1) print.clip = area;
-  for (const VectorShape& shape : ink) print.shapes.push_back(Moved(shape, origin + plate / 2));
+  for (const VectorShape& shape : ink) {
+    VectorShape moved = Moved(shape, origin + plate / 2);
+    if (!BoundsOf(moved).intersects(area)) continue;
+    print.shapes.push_back(std::move(moved));
+  }
 
   VectorGroup marks;
   const Eigen::AlignedBox2d whole(origin, origin + plate);

@@ -13,6 +13,7 @@
 namespace lfm {
 namespace {
 
+constexpr double kMinSizeMm = 1e-3;
 constexpr double kMaxSizeMm = 1e5;
 constexpr int kMaxCheckerSquares = 1000;
 constexpr size_t kMaxTags = 5000, kMaxCircles = 64, kMaxSquares = 5000, kMaxAttached = 100;
@@ -56,7 +57,7 @@ double DistanceTo(const Rectangle& r, const Eigen::Vector2d& point) {
   return outside.norm();
 }
 
-bool IsSize(double mm) { return mm > 0 && mm <= kMaxSizeMm; }
+bool IsSize(double mm) { return mm >= kMinSizeMm && mm <= kMaxSizeMm; }
 
 // One plate under validation.
 struct PlateCheck {
@@ -88,10 +89,10 @@ struct PlateCheck {
 void ValidateSizes(const PlateCheck& check) {
   const Board& board = check.board;
   if (!IsSize(board.width_mm) || !IsSize(board.height_mm)) {
-    throw Error(check.where + ": width_mm and height_mm must be positive and at most 100000");
+    throw Error(check.where + ": width_mm and height_mm must be 0.001 to 100000");
   }
   if (!board.tags.empty() && !IsSize(board.tag_size_mm)) {
-    throw Error(check.where + ": tag_size_mm must be positive and at most 100000");
+    throw Error(check.where + ": tag_size_mm must be 0.001 to 100000");
   }
   if (board.tags.size() > kMaxTags || board.circles.size() > kMaxCircles ||
       board.squares.size() > kMaxSquares) {
@@ -107,7 +108,7 @@ void ValidateChecker(const PlateCheck& check) {
     throw Error(check.where + ": checker: columns and rows must both be 0, or both 2 to 1000");
   }
   if (!IsSize(board.checker_square_mm)) {
-    throw Error(check.where + ": checker: square_mm must be positive and at most 100000");
+    throw Error(check.where + ": checker: square_mm must be 0.001 to 100000");
   }
   if (board.checker_columns * board.checker_square_mm > board.width_mm ||
       board.checker_rows * board.checker_square_mm > board.height_mm) {

@@ -80,8 +80,9 @@ struct JointResult {
 
 /// AdjustBundle over everything together; a shift of the platform costs (shift noise_px /
 /// prior_mm)^2 px^2. Levenberg-Marquardt with reweighting; poses are eliminated view by view (Schur
-/// complement), so memory grows with the views, not with the corners: 5000 views take some MB.
-/// Sums are taken in an order that does not depend on the number of threads.
+/// complement), so memory grows with the views, not with the corners (5000 views take some MB), and
+/// with the square of the platform's unknowns. Sums are taken in an order that does not depend on
+/// the number of threads.
 JointResult AdjustJointly(const JointBundle& bundle, double robust_scale_px, int max_iterations);
 
 /// Pixel errors (measured minus projected), one a corner; no value where the point does not

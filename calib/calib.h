@@ -19,7 +19,7 @@ namespace lfm {
 
 /// A corner of the platform that a picture shows.
 struct SeenCorner {
-  Eigen::Vector3d point_in_world = {0, 0, 0};  ///< as printed, mm
+  Eigen::Vector3d point_in_world = {0, 0, 0};  ///< where the platform has it (platform_shape), mm
   Eigen::Vector2d pixel = {0, 0};
 };
 
@@ -85,9 +85,12 @@ struct CalibOptions {
               "this.",
               "px", 0.01, 100},
              max_reprojection_px);
-    v.Integer({"min-corners", "Set a photograph aside when fewer corners than this are found.", "",
-               4, 10000},
-              min_corners);
+    v.Integer(
+        {"min-corners",
+         "Set a photograph aside when fewer corners than this, or than all that the board has, are "
+         "found.",
+         "", 4, 10000},
+        min_corners);
     v.Number({"robust-scale-px", "Corner errors beyond this count less and less (Cauchy loss).",
               "px", 0.01, 100},
              robust_scale_px);
@@ -97,8 +100,9 @@ struct CalibOptions {
               "mm", 1e-4, 10},
              print_error_mm);
     v.Enumeration({"start",
-                   "What the search for corners starts from: tags, the board's coloured circles, "
-                   "or tags, and circles where fewer than three tags are found."},
+                   "What the search for corners starts from: tags; the board's coloured circles "
+                   "(tags where they do not suffice); or, auto, tags, and circles where fewer than "
+                   "three tags are found."},
                   {"auto", "tags", "circles"}, start);
   }
 };

@@ -77,7 +77,7 @@ Image DrawCalibration(const Image& photo, const Board& board, const Camera& came
   cv::Mat canvas(drawing.height(), drawing.width(), CV_8UC3, drawing.Data<uint8_t>());
   DrawBoardOutline(canvas, board, shape, camera, image.camera_from_world);
 
-  const BoardPrint print(MoveTags(board, shape));
+  const BoardPrint print = BoardPrint::WithMovedTags(MoveTags(board, shape));
   const std::vector<CornerPlace> corners = PlaceCornersOfMovedTags(board, shape);
   const Image gray = LinearGray(photo);
   CornerSearch search = {.max_shift_px = 3};

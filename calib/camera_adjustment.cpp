@@ -154,7 +154,9 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
     all.bundle.views.back().camera = index.at(picture.camera);
   }
   const std::vector<double> repeats = CountRepeats(all.bundle.views);
-  all.noise_px = std::max(kLeastNoisePx, count > 0 ? std::sqrt(squared / count) : 0);
+  // Before corners were looked at finely, nothing is known.
+  all.noise_px = squared > 0 ? std::max(kLeastNoisePx, std::sqrt(squared / count))
+                             : PlatformUnknowns().noise_px;
   for (size_t v = 0; v < all.pictures.size(); ++v) {
     const double own = std::max(kLeastNoisePx, adjustment.pictures[all.pictures[v]].noise_px);
     const bool known = adjustment.pictures[all.pictures[v]].noise_px > 0;

@@ -17,6 +17,7 @@ namespace {
 constexpr size_t kMaxFileBytes = 1 << 16;
 constexpr double kMmPerMetre = 1000;
 constexpr double kMaxTagSizeMetres = 5;
+constexpr double kMinSpacing = 1e-3, kMaxSpacing = 10;  // of a tag
 constexpr int kMaxTagsAlong = 100, kMaxCodeOffset = 10000;
 constexpr int kKalibrBorderCells = 2;
 constexpr double kTolerance = 1e-3;  // of a tag
@@ -108,7 +109,7 @@ Grid ReadGrid(const std::filesystem::path& file) {
                 " m is too large for a tag; Kalibr takes metres: is this millimetres?");
   }
   grid.tag_size_mm = size_m * kMmPerMetre;
-  grid.spacing = reader.Between("tagSpacing", 1e-3, 10.0);
+  grid.spacing = reader.Between("tagSpacing", kMinSpacing, kMaxSpacing);
   if (reader.Has("codeOffset")) grid.code_offset = reader.Between("codeOffset", 0, kMaxCodeOffset);
   reader.Finish();
   return grid;
@@ -179,14 +180,6 @@ Board ReadKalibrGrid(const std::filesystem::path& file) {
   return board;
 }
 
-Eigen::Vector2d KalibrOriginMm(const Board& board) {
-  const auto first =
-      std::min_element(board.tags.begin(), board.tags.end(),
-                       [](const BoardTag& a, const BoardTag& b) { return a.id < b.id; });
-  if (first == board.tags.end()) throw Error("a board without tags has no Kalibr origin");
-  return first->center_mm - Eigen::Vector2d::Constant(board.tag_size_mm / 2);
-}
-
 void WriteKalibrGrid(const Board& board, const std::filesystem::path& file) {
   const std::string where = board.name.empty() ? "board" : board.name;
   ValidateBoard(board, where);
@@ -201,10 +194,23 @@ void WriteKalibrGrid(const Board& board, const std::filesystem::path& file) {
            std::abs(std::remainder(tag->rotation - expected.rotation, 2 * std::numbers::pi)) <
                kTolerance;
   }
+  for (const BoardSquare& square : board.squares) {
+    same = same && std::any_of(regular.squares.begin(), regular.squares.end(),
+                               [&](const BoardSquare& expected) {
+                                 const double allowed = kTolerance * board.tag_size_mm;
+                                 return (square.center_mm - expected.center_mm).norm() < allowed &&
+                                        std::abs(square.size_mm - expected.size_mm) < allowed;
+                               });
+  }
   if (!same) {
     throw Error(where +
                 ": no Kalibr grid: ids must go row by row from the lower left, tags upright "
-                "(rotation_deg 0), evenly spaced and centred");
+                "(rotation_deg 0), evenly spaced and centred, black squares only between them");
+  }
+  if (!(grid.spacing >= kMinSpacing && grid.spacing <= kMaxSpacing) ||
+      grid.columns > kMaxTagsAlong || grid.rows > kMaxTagsAlong ||
+      grid.code_offset > kMaxCodeOffset || grid.tag_size_mm > kMaxTagSizeMetres * kMmPerMetre) {
+    throw Error(where + ": no Kalibr grid: tags too large, too far apart or too many");
   }
   std::ostringstream text;
   text.precision(12);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -19,9 +22,12 @@ struct CommandOptions {
   std::string attach, attach_at;
   double pixels_per_mm = 4, mm_per_pixel = 0.25;
   void Declare(lfm::OptionVisitor& v) {
-    v.Text({"from", "Print this board.json instead of designing one."}, from);
-    v.Text({"from-kalibr", "Print the grid of this Kalibr aprilgrid.yaml (metres there)."},
-           from_kalibr);
+    v.Text({"from",
+            "Print this board.json instead of designing one: options of the design are ignored."},
+           from);
+    v.Text(
+        {"from-kalibr", "Print the grid of this Kalibr aprilgrid.yaml (metres there), likewise."},
+        from_kalibr);
     v.Text({"kalibr", "Also describe the board to Kalibr, in this file; it must be an aprilgrid."},
            kalibr);
     v.Text({"attach", "A board.json that becomes a further plate of the platform."}, attach);
@@ -38,12 +44,17 @@ struct CommandOptions {
 
 lfm::Pose ParsePose(const std::string& text) {
   std::istringstream stream(text);
-  double v[6] = {0, 0, 0, 0, 0, 0};
-  int count = 0;
-  while (count < 6 && stream >> v[count]) ++count;
-  std::string rest;
-  stream.clear();
-  if ((count != 3 && count != 6) || stream >> rest) {
+  std::array<double, 6> v = {0, 0, 0, 0, 0, 0};
+  size_t count = 0;
+  bool numbers = true;
+  for (std::string word; stream >> word; ++count) {
+    double unused = 0;
+    double& value = count < v.size() ? v[count] : unused;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    numbers =
+        numbers && error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+  }
+  if (!numbers || (count != 3 && count != 6)) {
     throw lfm::Error("--attach-at: \"" + text + "\" is not \"x y z\" or \"x y z rx ry rz\"");
   }
   const auto turn = [&](double deg, const Eigen::Vector3d& axis) {

@@ -126,7 +126,7 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
       selected.push_back(i);
     }
   }
-  const BoardPrint print(MoveTags(board, shape));
+  const BoardPrint print = BoardPrint::WithMovedTags(MoveTags(board, shape));
   const std::vector<CornerPlace> corners = PlaceCornersOfMovedTags(board, shape);
   const std::vector<Eigen::Vector3d> positions = CornerPositions(BoardCorners(board), shape);
   progress.Start("refining corners", static_cast<int64_t>(selected.size()));

@@ -9,6 +9,8 @@ namespace {
 
 // Corners that a coarse picture displaces alike in all views look like a print that is off: a
 // platform is believed until a tenth of the squared error is at stake.
+// Normal equations are dense in these: a thousand take 8 MB a thread.
+constexpr int kMostUnknowns = 1000;
 constexpr double kPlatformGain = 0.9;
 constexpr size_t kLeastViews = 8, kMostViews = 16, kMostCorners = 400;
 
@@ -38,7 +40,10 @@ class PlatformContest {
         noise_px_(noise_px),
         robust_scale_px_(robust_scale_px) {}
 
-  void Try(const std::vector<PlatformModel>& models) {
+  void Try(std::vector<PlatformModel> models) {
+    std::erase_if(models, [&](const PlatformModel& model) {
+      return MakePlatformUnknowns(board_, model).Count() > kMostUnknowns;
+    });
     std::vector<double> errors(models.size());
     ParallelFor(0, static_cast<int64_t>(models.size()), [&](int64_t i) {
       JointBundle tried = bundle_;

@@ -24,8 +24,6 @@ std::vector<Eigen::Vector3d> BoardCorners(const Board& board);
 struct PlatformShape {
   std::vector<Eigen::Vector2d> shifts_mm;                 ///< one a corner of BoardCorners, or none
   Eigen::Vector3d bend_per_mm = Eigen::Vector3d::Zero();  ///< bxx, bxy, byy
-
-  bool AsPrinted() const { return shifts_mm.empty() && bend_per_mm.isZero(0); }
 };
 
 /// Where a corner of the print lies in the world, and how the plate runs there.

@@ -136,6 +136,23 @@ std::string VectorNumber(double value) {
   return number == "-0" ? "0" : number;
 }
 
+Eigen::AlignedBox2d BoundsOf(const VectorShape& shape) {
+  Eigen::AlignedBox2d box;
+  const auto grow = [&](const std::vector<Eigen::Vector2d>& points, double by) {
+    for (const Eigen::Vector2d& p : points) {
+      box.extend(Eigen::Vector2d(p.array() - by));
+      box.extend(Eigen::Vector2d(p.array() + by));
+    }
+  };
+  std::visit(Overloaded{[&](const FilledPath& path) {
+                          for (const auto& loop : path.loops) grow(loop, 0);
+                        },
+                        [&](const FilledDisc& disc) { grow({disc.center}, disc.radius); },
+                        [&](const StrokedLine& line) { grow(line.points, line.width / 2); }},
+             shape);
+  return box;
+}
+
 VectorShape Moved(const VectorShape& shape, const Eigen::Vector2d& shift) {
   return std::visit(Overloaded{[&](FilledPath path) -> VectorShape {
                                  for (auto& loop : path.loops) {

@@ -57,6 +57,9 @@ std::string SvgOfPage(const VectorPage& page, const std::string& title);
 /// A shape moved by `shift`.
 VectorShape Moved(const VectorShape& shape, const Eigen::Vector2d& shift);
 
+/// The smallest box that holds a shape.
+Eigen::AlignedBox2d BoundsOf(const VectorShape& shape);
+
 /// A coordinate as files hold it: decimal, at most five digits after the point.
 std::string VectorNumber(double value);
 

@@ -15,20 +15,33 @@ namespace lfm {
 namespace {
 
 TEST(BoardDesign, DefaultsGiveTheDefaultBoard) {
-  const Board designed = DesignBoard({}), board = DefaultBoard();
-  EXPECT_EQ(designed.name, board.name);
-  EXPECT_EQ(designed.family, board.family);
-  EXPECT_EQ(designed.width_mm, board.width_mm);
-  EXPECT_EQ(designed.height_mm, board.height_mm);
-  EXPECT_EQ(designed.tag_size_mm, board.tag_size_mm);
-  EXPECT_EQ(designed.checker_columns, board.checker_columns);
-  EXPECT_EQ(designed.checker_square_mm, board.checker_square_mm);
-  ASSERT_EQ(designed.tags.size(), board.tags.size());
+  const Board board = DefaultBoard();
+  EXPECT_EQ(board.family, "tag36h11");
+  EXPECT_EQ(board.width_mm, 220);
+  EXPECT_EQ(board.height_mm, 220);
+  EXPECT_EQ(board.tag_size_mm, 24);
+  EXPECT_EQ(board.checker_columns, 10);
+  EXPECT_EQ(board.checker_rows, 10);
+  EXPECT_EQ(board.checker_square_mm, 15);
+  ASSERT_EQ(board.tags.size(), 24u);
+  // Numbered row by row from the top left.
+  EXPECT_EQ(board.tags[0].center_mm, Eigen::Vector2d(-93, 93));
+  EXPECT_EQ(board.tags[1].center_mm, Eigen::Vector2d(-62, 93));
+  EXPECT_EQ(board.tags[7].center_mm, Eigen::Vector2d(-93, 62));
+  EXPECT_EQ(board.tags[8].center_mm, Eigen::Vector2d(93, 62));
+  EXPECT_EQ(board.tags[23].center_mm, Eigen::Vector2d(93, -93));
   for (size_t i = 0; i < board.tags.size(); ++i) {
-    EXPECT_EQ(designed.tags[i].id, board.tags[i].id);
-    EXPECT_EQ(designed.tags[i].center_mm, board.tags[i].center_mm);
-    EXPECT_EQ(designed.tags[i].rotation, board.tags[i].rotation);
+    EXPECT_EQ(board.tags[i].id, static_cast<int>(i));
+    EXPECT_EQ(board.tags[i].rotation, 0);
   }
+}
+
+// Board's advice on scans, taken.
+TEST(BoardDesign, CirclesBetweenTagsAndASmallerCheckerFit) {
+  BoardDesign design;
+  design.circles = 12;
+  design.checker_columns = design.checker_rows = 8;
+  EXPECT_EQ(DesignBoard(design).circles.size(), 12u);
 }
 
 TEST(BoardDesign, EveryLayoutIsValid) {
@@ -75,7 +88,7 @@ TEST(BoardDesign, WhatDoesNotFitIsRefused) {
       {"circles[0]", [](BoardDesign& d) { d.circles = 4; }},
       {"no room",
        [](BoardDesign& d) { d.layout = BoardLayout::kCircles, d.circle_diameter_mm = 200; }},
-      {"four circles", [](BoardDesign& d) { d.layout = BoardLayout::kCircles, d.circles = 3; }},
+      {"four or more", [](BoardDesign& d) { d.layout = BoardLayout::kCircles, d.circles = 3; }},
       {"tag-size", [](BoardDesign& d) { d.tag_size_mm = std::nan(""); }},
       {"width", [](BoardDesign& d) { d.width_mm = std::numeric_limits<double>::infinity(); }},
       {"tag-columns", [](BoardDesign& d) { d.tag_columns = 0; }},

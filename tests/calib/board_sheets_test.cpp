@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <regex>
@@ -179,16 +180,24 @@ TEST(BoardSheets, LargeBoardsGoOverSeveralSheetsThatOverlap) {
   const std::vector<VectorPage> pages = LayOutSheets(board, options);
   // 182 x 263 mm of an upright sheet are free: 220 mm need two columns of one row.
   ASSERT_EQ(pages.size(), 2u);
-  const auto corner = [](const VectorPage& page, size_t shape) {
-    return std::get<FilledPath>(page.groups[0].shapes[shape]).loops[0][0];
+  // Where the middle of the plate lies on a sheet, by the first tag that the sheet holds.
+  const auto middle = [&](const VectorPage& page, size_t tag) {
+    const V2 corner = std::get<FilledPath>(page.groups[0].shapes[0]).loops[0][0];
+    return V2(corner - board.TagCorners(board.tags[tag])[0].head<2>());
   };
-  // The same thing on both sheets: what one shows at its right edge, the other shows at its left.
-  const V2 shift = corner(pages[1], 0) - corner(pages[0], 0);
-  EXPECT_NEAR(shift.y(), 0, 1e-9);
+  const V2 low = middle(pages[0], 0);
+  // What the first sheet shows at its right edge, the second shows at its left.
   const Eigen::AlignedBox2d area = *pages[0].groups[0].clip;
-  EXPECT_NEAR(-shift.x(), area.sizes().x() - options.overlap_mm, 1e-9);
+  const V2 shift(options.overlap_mm - area.sizes().x(), 0);
+  const Eigen::AlignedBox2d on_second(area.min() - shift - low, area.max() - shift - low);
+  const auto held = std::ranges::find_if(board.tags, [&](const BoardTag& tag) {
+    Eigen::AlignedBox2d box;
+    for (const auto& corner : board.TagCorners(tag)) box.extend(V2(corner.head<2>()));
+    return box.intersects(on_second);
+  });
+  ASSERT_NE(held, board.tags.end());
+  EXPECT_LT((middle(pages[1], held - board.tags.begin()) - low - shift).norm(), 1e-9);
   // Every point of the plate is on a sheet.
-  const V2 low = corner(pages[0], 0) - board.TagCorners(board.tags[0])[0].head<2>();
   for (double x = -110; x <= 110; x += 0.5) {
     for (double y = -110; y <= 110; y += 0.5) {
       const bool first = area.contains(V2(low + V2(x, y)));
@@ -319,6 +328,11 @@ TEST(BoardCommand, WritesEverythingAndSaysOneLineOnBadInput) {
             1e-9);
   for (const std::vector<std::string>& bad :
        {std::vector<std::string>{"--attach", out + "/board.json", "--attach-at", "1 2"},
+        {"--attach", out + "/board.json", "--attach-at", "0 120 45 -"},
+        {"--attach", out + "/board.json", "--attach-at", "0 120 1e999"},
+        {"--attach", out + "/board.json", "--attach-at", "0 120 nan"},
+        {"--attach", out + "/board.json", "--attach-at", "1 2 3 4 5 6 7"},
+        {"--circles", "2"},
         {"--family", "tag0h0"},
         {"--tag-size", "40"},
         {"--from", out + "/none.json"},

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "calib/board_match.h"
+#include "calib/platform_shape.h"
 #include "calib/tag_detection.h"
 #include "core/error.h"
 #include "tests/support/scratch_folder.h"
@@ -43,8 +44,7 @@ TEST_F(KalibrGrid, IsReadInMillimetres) {
   EXPECT_LT((board.tags[6].center_mm - board.tags[0].center_mm - Eigen::Vector2d(0, pitch)).norm(),
             1e-9)
       << "rows go upwards";
-  EXPECT_LT((KalibrOriginMm(board) - Eigen::Vector2d(-2.5 * pitch - 44, -2 * pitch - 44)).norm(),
-            1e-9);
+  EXPECT_LT((board.tags[0].center_mm - Eigen::Vector2d(-2.5 * pitch, -2 * pitch)).norm(), 1e-9);
   // Where four tags come together there is a square whose corners are theirs.
   const BoardPrint print(board);
   const Eigen::Vector2d corner = board.tags[0].center_mm + Eigen::Vector2d(44, 44);
@@ -52,6 +52,19 @@ TEST_F(KalibrGrid, IsReadInMillimetres) {
   EXPECT_EQ(print.Value(corner + Eigen::Vector2d(-1, -1)), 0);
   EXPECT_EQ(print.Value(corner + Eigen::Vector2d(1, -1)), 1);
   EXPECT_EQ(print.Value(corner + Eigen::Vector2d(-1, 1)), 1);
+}
+
+TEST_F(KalibrGrid, TagsThatMovedIntoItsSquaresCanStillBeDrawn) {
+  const Board board = ReadKalibrGrid(Write(kGood));
+  PlatformShape shape;
+  shape.shifts_mm.assign(BoardCorners(board).size(), Eigen::Vector2d(0.3, -0.2));
+  const Board moved = MoveTags(board, shape);
+  EXPECT_THROW(BoardPrint{moved}, Error);
+  const BoardPrint print = BoardPrint::WithMovedTags(moved);
+  // The first tag's border, black, a little inside its shifted left edge.
+  const Eigen::Vector2d left = board.tags[0].center_mm + Eigen::Vector2d(0.3 - 44, -0.2);
+  EXPECT_EQ(print.Value(left + Eigen::Vector2d(0.5, 0)), 0);
+  EXPECT_EQ(print.Value(left - Eigen::Vector2d(0.5, 0)), 1);
 }
 
 TEST_F(KalibrGrid, ItsPictureIsDetectedAndMatched) {
