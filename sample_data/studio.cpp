@@ -57,18 +57,20 @@ std::string PhotoEnding(const StudioOptions& options) {
   return PictureEnding(format);
 }
 
-// One run of the studio.
 Board ChooseBoard(const std::string& file) {
   if (file.empty()) return DefaultBoard();
   Board board = ReadBoard(file);
-  if (std::max(board.width_mm, board.height_mm) > kTableSizeMm) {
-    throw Error(file + ": the board is larger than the studio's table of " +
-                std::to_string(static_cast<int>(kTableSizeMm)) +
-                " mm; use a smaller one (lengths are millimetres)");
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    if (std::max(plate.board->width_mm, plate.board->height_mm) > kTableSizeMm) {
+      throw Error(file + ": the board is larger than the studio's table of " +
+                  std::to_string(static_cast<int>(kTableSizeMm)) +
+                  " mm; use a smaller one (lengths are millimetres)");
+    }
   }
   return board;
 }
 
+// One run of the studio.
 class Studio {
  public:
   Studio(const StudioOptions& options, const PictureSink& sink, Progress& progress)
@@ -344,6 +346,9 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
     SceneDescription scene =
         FindScene(options.scene, options.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
     if (scene.kind != SceneKind::kLightField) {
+      if (!options.board.empty()) {
+        throw Error("--board: scene \"" + options.scene + "\" has no platform; leave --board out");
+      }
       if (options.tiny) scene = ShrinkField(std::move(scene));
       MakeFieldCapture(scene, options, folder, progress);
       return;
