@@ -23,7 +23,6 @@ struct AxisFrames {
   std::vector<int> stripes;          ///< in order of the stripe's way
   StripeShape stripe;
 
-  bool Empty() const { return gray.empty() && phases.empty() && stripes.empty(); }
   bool HasAllInverses() const;
   /// Projector pixels between neighbouring edges of the Gray code that is there.
   int CellPx() const { return 1 << (bits - static_cast<int>(gray.size())); }

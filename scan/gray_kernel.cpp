@@ -141,7 +141,7 @@ template <typename T>
 LFM_INLINE void ReadClearest(const GrayPlanes<T>& planes, long begin, int count, BitState<T>& s) {
   using Mask = typename BitState<T>::Mask;
   const int first = planes.bits > 2 ? 2 : planes.bits - 1;
-  for (int i = 0; i < count; ++i) s.strong[i] = 0;
+  for (int i = 0; i < count; ++i) s.strong[i] = s.strong_p[i] = s.strong_q[i] = 0;
   for (int bit = first; bit < planes.bits && bit < first + 3; ++bit) {
     const T* p = planes.pattern[bit] + begin;
     const T* q = planes.inverse[bit] + begin;
@@ -197,8 +197,8 @@ LFM_INLINE uint32_t IsNear(float a, float b, float reach) {
 // Which pixels of a row have a neighbour within `reach`. Rows above and below may be absent.
 LFM_INLINE void MarkNeighbours(const float* above, const float* row, const float* below, long width,
                                float reach, uint32_t* __restrict kept) {
-  // An absent row is asked for by the other one; without any, the pixels beside are asked twice.
-  const float* up = above != nullptr ? above : below != nullptr ? below : row - 1;
+  // An absent row is asked for by the other one; without any, the pixel to the right is.
+  const float* up = above != nullptr ? above : below != nullptr ? below : row + 1;
   const float* down = below != nullptr ? below : above != nullptr ? above : row + 1;
   for (long x = 1; x < width - 1; ++x) {
     const float here = row[x];

@@ -12,7 +12,6 @@ namespace lfm {
 
 /// The rig that a capture's manifest states: projector and projector_from_camera; the camera is
 /// `camera`, which the calibration took from the manifest or found. None when either is missing.
-/// Throws Error when the projector's size differs from the patterns'.
 std::optional<KnownRig> RigOfManifest(const Capture& capture, const Camera& camera);
 
 /// A known rig as a calibration. Throws Error when its camera or projector has another size than

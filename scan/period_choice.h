@@ -32,7 +32,6 @@ struct ChosenPeriod {
 class PeriodChooser {
  public:
   explicit PeriodChooser(const AxisFrames& frames);
-  int candidates() const { return candidates_; }
   /// `fraction_px` in [-1, period - 1). No answer when no candidate lies in the picture or all
   /// speaks against the best.
   std::optional<ChosenPeriod> Choose(double fraction_px, const PeriodEvidence& evidence);

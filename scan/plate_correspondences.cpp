@@ -37,7 +37,7 @@ std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decod
                                                       const std::vector<Eigen::Vector2d>& rays,
                                                       const Board& board,
                                                       const PlatePlacement& placement,
-                                                      int placement_index, int max_count) {
+                                                      int max_count) {
   std::vector<PlateCorrespondence> all;
   if (decoded.column.confidence.empty()) return all;
   const bool rows = !decoded.row.confidence.empty();
@@ -55,7 +55,6 @@ std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decod
         continue;
       }
       PlateCorrespondence c;
-      c.placement = placement_index;
       c.ray = rays[p];
       c.projector_px = {decoded.column.position[p], rows ? decoded.row.position[p] : 0.0};
       c.sigma_px = {decoded.column.sigma[p], rows ? decoded.row.sigma[p] : 0.0};

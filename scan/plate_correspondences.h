@@ -33,14 +33,14 @@ struct PlateCorrespondence {
 /// Camera-frame point where the ray (x, y, 1) meets the platform's plane; not finite when parallel.
 Eigen::Vector3d MeetPlate(const Pose& camera_from_world, const Eigen::Vector2d& ray);
 
-/// Correspondences of one decoded placement, at most about `max_count`, on a regular grid of the
-/// camera's pixels: inside the printed plate, columns (and rows, when there are any) decoded, paper
-/// white all round (at an ink border a pixel's light does not come from its middle).
+/// Correspondences of one decoded placement, at most about `max_count`, evenly spread
+/// over the camera's pixels: inside the printed plate, columns (and rows, when there are any)
+/// decoded, paper white all round (at an ink border a pixel's light does not come from its middle).
 std::vector<PlateCorrespondence> PlateCorrespondences(const DecodedPixels& decoded,
                                                       const std::vector<Eigen::Vector2d>& rays,
                                                       const Board& board,
                                                       const PlatePlacement& placement,
-                                                      int placement_index, int max_count);
+                                                      int max_count);
 
 /// Every n-th of a list, from the first.
 template <typename T>

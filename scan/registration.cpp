@@ -66,8 +66,11 @@ std::optional<Partner> MeetOther(const Search& search, const std::vector<Pose>& 
   const Eigen::Vector3d there = j_from_i * point;
   const std::optional<Eigen::Vector2d> seen = Project(search.camera, there);
   if (!seen || !search.camera.Contains(*seen)) return std::nullopt;
-  const size_t q = static_cast<size_t>(std::lround(seen->y())) * other.width +
-                   static_cast<size_t>(std::lround(seen->x()));
+  // On the picture's very border, -0.5, rounding leaves it.
+  const int x = static_cast<int>(std::max(0L, std::lround(seen->x())));
+  const int y = static_cast<int>(std::max(0L, std::lround(seen->y())));
+  if (x >= other.width || y >= other.height) return std::nullopt;
+  const size_t q = static_cast<size_t>(y) * other.width + static_cast<size_t>(x);
   if (other.depth[q] <= 0) return std::nullopt;
   Partner partner;
   partner.i = i;

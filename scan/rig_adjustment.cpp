@@ -74,8 +74,8 @@ Eigen::MatrixXd InverseOrEmpty(const Eigen::MatrixXd& matrix) {
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 
-/// Poses are eliminated first. Within a group Ceres sorts by address, which differs from run to run,
-/// so every other block has a group of its own.
+/// Poses are eliminated first. Within a group Ceres sorts by address, which differs from run to
+/// run, so every other block has a group of its own.
 std::shared_ptr<ceres::ParameterBlockOrdering> PosesFirst(RigProblem& a) {
   std::vector<double*> others = a.ProjectorBlocks();
   others.push_back(a.camera.data());
@@ -170,7 +170,6 @@ RigCovariance ComputeRigCovariance(const RigState& state, const RigData& data,
     posed.push_back(i);
   }
   const auto poses_begin = static_cast<Eigen::Index>(projector_places.size());
-  if (freedom.camera_terms) blocks.push_back(a->camera.data());
   const NormalMatrix normal = ComputeNormalMatrix(*a, blocks);
   if (!normal.valid) return result;
   const Eigen::MatrixXd covariance = InverseOrEmpty(normal.values);

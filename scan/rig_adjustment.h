@@ -43,7 +43,7 @@ struct RigFreedom {
 ///   meets the plate (sigma: decoding and `sigma_floor_px`);
 /// - a corner: predicted minus seen camera pixel (sigma: robust spread at the start, 0.01 px at
 ///   least; once more with the spread at the solution where that is less); a placement without
-///   corners: distance of its pose from the start, by its covariance;
+///   corners: distance from the placement's own pose, by its covariance;
 /// - a member of a turntable run: distance of its pose from the run's axis, by the table's play.
 /// One thread. Throws Error when the solver fails.
 RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom& freedom,
@@ -55,7 +55,8 @@ RigState AdjustRig(const RigState& start, const RigData& data, const RigFreedom&
 double RigCondition(const RigState& state, const RigData& data,
                     const RigCalibrationOptions& options);
 
-/// What a solution's curvature says about its unknowns: covariances that include all others.
+/// What a solution's curvature says about its unknowns: covariances that include each other; the
+/// camera is held.
 struct RigCovariance {
   /// Of fx, fy, cx, cy, k1, k2, p1, p2, rotation vector on the left, translation; 0 where held.
   Eigen::Matrix<double, 14, 14> projector = Eigen::Matrix<double, 14, 14>::Zero();

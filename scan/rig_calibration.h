@@ -40,7 +40,7 @@ struct RigAdjustment {
 /// with outliers trimmed. Then least squares (`scan/rig_adjustment.h`) over fx, fy, cx, cy, lens
 /// terms, projector_from_camera, and each placement's pose (held by its corners, or by its
 /// covariance). Lens terms enter only when they lower the error of placements left out of the fit.
-/// The camera is taken as it is. One thread: the result is reproducible.
+/// The camera is taken as it is. The result does not depend on the number of threads.
 ///
 /// Throws Error when there are fewer than two placements, fewer than 50 correspondences in one of
 /// two placements, when all points lie in one plane (a platform that only turns about its axis), or
@@ -73,9 +73,10 @@ struct RigRefinement {
 /// from elsewhere, and poses, which turntable runs among `scans_begin`.. hold (`use`). Starts from
 /// `rig` and the placements' own poses.
 ///
-/// Covariances are of the solution's curvature, each placement's correspondences counting as no
-/// more than kIndependentPoints independent ones: what spoils a point of the plate (print, light
-/// from elsewhere, the lens's rest) spoils its neighbours alike.
+/// Covariances are of the solution's curvature, given the camera (what its intrinsics leave open,
+/// poses and projector move with, and points on the platform hardly feel it), each placement's
+/// correspondences counting as no more than kIndependentPoints independent ones: what spoils a
+/// point of the plate (print, light from elsewhere, the lens's rest) spoils its neighbours alike.
 RigRefinement RefineRig(const RigCalibration& rig, std::optional<int> camera_terms,
                         const RigEvidence& evidence, int scans_begin, TurntableUse use,
                         const RigCalibrationOptions& options);

@@ -10,7 +10,7 @@
 namespace lfm {
 namespace {
 
-// Pose covariances hold the intrinsics; these floors stand for what they leave out.
+// Given poses come without covariance: this is how far they are believed.
 constexpr double kTurnFloorRad = 2e-5;
 constexpr double kShiftFloorMm = 2e-3;
 constexpr double kCornerSigmaFloorPx = 0.01;
@@ -136,7 +136,6 @@ void AddPlatform(const RigState& state, const PlatePlacement& placement, size_t 
   }
   if (!placement.corners.empty()) return;
   Eigen::Matrix<double, 6, 6> covariance = placement.covariance;
-  if (!covariance.allFinite()) covariance.setZero();
   covariance.diagonal().head<3>().array() += kTurnFloorRad * kTurnFloorRad;
   covariance.diagonal().tail<3>().array() += kShiftFloorMm * kShiftFloorMm;
   a.problem.AddResidualBlock(

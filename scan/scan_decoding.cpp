@@ -7,12 +7,10 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "scan/frame_planes.h"
 
 namespace lfm {
 namespace {
-
-// Linear; as bright a pixel is at the ceiling of its file.
-constexpr float kCeiling = 0.98F;
 
 const PosedImage* FindPose(const std::vector<PosedImage>& poses, const std::string& id) {
   const auto found =
@@ -39,7 +37,7 @@ std::string WhyNothing(const DecodedPixels& decoded, const ScanOptions& options)
   if (std::any_of(confidence.begin(), confidence.end(), [](float c) { return c > 0; })) return "";
   size_t bright = 0, dark = 0;
   for (size_t p = 0; p < decoded.white.size(); ++p) {
-    if (decoded.white[p] >= kCeiling) {
+    if (decoded.white[p] >= kSaturatedLinear) {
       ++bright;
     } else if (!(decoded.contrast[p] >= options.min_contrast)) {
       ++dark;
@@ -82,8 +80,7 @@ void DecodeSet(const ScanSet& set, const DecodingTask& task, Progress& progress,
   }
   const std::string nothing = WhyNothing(decoded, task.options);
   if (!nothing.empty()) throw Error(nothing);
-  out.plate =
-      PlateCorrespondences(decoded, task.rays, task.board, out.platform, 0, task.plate_points);
+  out.plate = PlateCorrespondences(decoded, task.rays, task.board, out.platform, task.plate_points);
   out.pixels.width = decoded.width;
   out.pixels.height = decoded.height;
   out.pixels.column = std::move(decoded.column);

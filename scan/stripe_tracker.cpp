@@ -48,7 +48,6 @@ void StripeTracker::Add(const float* values) {
   if (in_bin_ == 0) std::fill_n(sums, pixels_, 0.0F);
   const float share = 1.0F / static_cast<float>(bin_);
   for (size_t p = 0; p < pixels_; ++p) sums[p] += share * values[p];
-  ++frames_seen_;
   if (++in_bin_ == bin_) CloseBin();
 }
 

@@ -24,7 +24,6 @@ class StripeTracker {
   /// After the last frame.
   void Finish();
 
-  int radius() const { return radius_; }
   int window() const { return 2 * radius_ + 1; }
   double CenterPx(int bin) const;  ///< of the stripe in a bin, projector pixels
   double BinPx() const { return static_cast<double>(bin_) * stripe_.step_px; }
@@ -49,7 +48,7 @@ class StripeTracker {
   StripeShape stripe_;
   int bin_ = 1, bins_ = 0, radius_ = 1, reach_ = 0;
   size_t pixels_ = 0;
-  int frames_seen_ = 0, bins_seen_ = 0, in_bin_ = 0;
+  int bins_seen_ = 0, in_bin_ = 0;
   std::vector<float> ring_;                    ///< `window` bins, all pixels each
   std::vector<float> best_, rival_, darkest_;  ///< responses
   std::vector<int32_t> peak_;

@@ -33,7 +33,7 @@ struct PoseEstimate {
 /// Finds runs of at least four placements about one axis, largest first: an axis is proposed by
 /// each pair of poses, and others join when it brings them within a tolerance. Each run's axis,
 /// base and angles are then fitted (Ceres), poses weighed by covariance and play. With kAuto a run
-/// stands when its chi^2 per degree of freedom is at most 2; with kOn always. A table that leans or
+/// stands when its chi^2 per degree of freedom is at most 2; with kOn always. A table that
 /// wobbles, or was touched, so loses its run and nothing else.
 ///
 /// None for kOff, for fewer than four poses, and for poses that do not turn (less than 2 degrees).

@@ -7,8 +7,9 @@
 
 namespace lfm {
 
-/// How well the rig's projector is known: covariance of fx, fy, cx, cy, k1, k2, p1, p2, and of its
-/// pose as (rotation vector on the left, translation); rad, mm. Zero where a number was given.
+/// How well the rig's projector is known, given the camera: covariance of fx, fy, cx, cy, k1, k2,
+/// p1, p2, and of its pose as (rotation vector on the left, translation); rad, mm. Zero where a
+/// number was given.
 struct RigUncertainty {
   Eigen::Matrix<double, 14, 14> projector = Eigen::Matrix<double, 14, 14>::Zero();
 };
