@@ -69,6 +69,7 @@ DecimatedMesh Undecimated(const DenseSurface& dense) {
   DecimatedMesh result;
   result.mesh.vertices = dense.mesh.vertices;
   result.mesh.triangles = dense.mesh.triangles;
+  result.self_intersections = static_cast<int>(FindSelfIntersections(result.mesh).size());
   result.deviation = Deviation(result.mesh, dense);
   return result;
 }
@@ -160,7 +161,8 @@ DecimatedMesh DecimateToMaxError(const DecimationSource& source, double max_mm,
                IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm);
       },
       progress);
-  result.proven_error_mm = result.deviation.both.max > 0 ? max_mm : 0;
+  const bool as_it_was = result.mesh.triangles.size() == source.surface.triangles.size();
+  result.proven_error_mm = as_it_was ? 0 : max_mm;
   return result;
 }
 

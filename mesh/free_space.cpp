@@ -4,9 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <string>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -30,20 +28,15 @@ std::optional<Eigen::Vector2d> InView(const Eigen::Matrix3d& view_from_world,
 
 }  // namespace
 
-std::vector<ScanSight> SightsOf(const ScanResult& scan, const CalibResult& calib) {
-  std::map<std::string, Pose> poses;
-  for (const PosedImage& image : calib.scans) poses[image.id] = image.camera_from_world;
+std::vector<ScanSight> SightsOf(const ScanResult& scan) {
   std::vector<ScanSight> sights;
   int64_t first = 0;
   for (const ScanCloud& part : scan.scans) {
     ScanSight sight;
     sight.first = first;
     sight.last = first += static_cast<int64_t>(part.cloud.points.size());
-    const auto pose = poses.find(part.id);
-    if (pose != poses.end()) {
-      sight.eyes = {pose->second.Center(),
-                    (scan.rig.projector_from_camera * pose->second).Center()};
-    }
+    sight.eyes = {part.camera_from_world.Center(),
+                  (scan.rig.projector_from_camera * part.camera_from_world).Center()};
     sights.push_back(sight);
   }
   // Not the scans one after the other: then nobody can tell which point is whose.

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/calib.h"
 #include "core/point_cloud.h"
 #include "core/pose.h"
 #include "scan/scan.h"
@@ -18,8 +17,8 @@ struct ScanSight {
   int64_t first = 0, last = 0;        ///< points [first, last)
 };
 
-/// The sights of ScanResult::points. Scans whose pose is not known have no eyes.
-std::vector<ScanSight> SightsOf(const ScanResult& scan, const CalibResult& calib);
+/// The sights of ScanResult::points, from where scans stand after all adjustments.
+std::vector<ScanSight> SightsOf(const ScanResult& scan);
 
 /// What scans know to be empty: the way from an eye to each point that was seen from it (a camera)
 /// or lit from it (a projector).

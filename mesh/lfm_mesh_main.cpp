@@ -118,8 +118,7 @@ lfm::MeshResult Build(const lfm::Capture& capture, const std::filesystem::path& 
   }
   if (std::filesystem::exists(work / "scan" / "rig.json")) {
     const lfm::ScanResult scan = lfm::LoadScan(work / "scan");
-    return lfm::BuildMesh(scan.points, lfm::SightsOf(scan, calib), calib, options, progress,
-                          photos);
+    return lfm::BuildMesh(scan.points, lfm::SightsOf(scan), calib, options, progress, photos);
   }
   return lfm::BuildMesh(lfm::ReadPlyCloud(work / "scan" / "points.ply"), {}, calib, options,
                         progress, photos);

@@ -22,6 +22,7 @@
 #include "mesh/photo_detail.h"
 #include "mesh/pixel_footprint.h"
 #include "mesh/reconstruction.h"
+#include "mesh/self_intersection.h"
 #include "mesh/thinning.h"
 
 namespace lfm {
@@ -245,6 +246,8 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
   if (result.surface.confidence.empty()) {
     result.surface.confidence.assign(given.vertices.size(), 1);
   }
+  result.surface_self_intersections =
+      static_cast<int>(FindSelfIntersections(result.surface).size());
   const RayScene scene(result.surface);
   result.pixel_mm = MedianPixelFootprint(result.surface, scene, calib);
 
@@ -256,6 +259,7 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
       options.triangle_count > 0 ? count <= options.triangle_count : samples >= needed;
   if (coarse_enough) {
     result.mesh = result.surface;
+    result.mesh_self_intersections = result.surface_self_intersections;
     result.samples_per_triangle = PredictSamplesPerTriangle(result.mesh, scene, calib);
     return result;
   }

@@ -132,10 +132,14 @@ TriangleMesh MakeByWrap(const Sources& sources, double spacing_mm) {
 // not scanned bulges. The errors of both are reasons.
 bool TryPoisson(const Sources& sources, PoissonSettings settings, Progress& progress,
                 ReconstructedSurface& result) {
-  for (const double cube_scale : {settings.cube_scale, kRoomyCube}) {
+  const double usual_scale = settings.cube_scale;
+  for (const double cube_scale : {usual_scale, kRoomyCube}) {
     settings.cube_scale = cube_scale;
+    Sources scaled = sources;
+    scaled.cell_mm *= cube_scale / usual_scale;
     try {
-      result.mesh = MakeByPoisson(sources, settings, result.carved_points);
+      result.mesh = MakeByPoisson(scaled, settings, result.carved_points);
+      result.cell_mm = scaled.cell_mm;
       return true;
     } catch (const Error& error) {
       // Only what the points cannot give is worth another attempt; a failure of ours is not.
@@ -162,6 +166,7 @@ void MakeSolid(const Sources& sources, double spacing_mm, const PoissonSettings&
     result.reasons.emplace_back("wrap: poisson does not close what was scanned");
     result.method = SurfaceMethod::kWrap;
   }
+  result.carved_points = 0;
   result.mesh = MakeByWrap(sources, spacing_mm);
 }
 

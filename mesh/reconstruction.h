@@ -34,10 +34,10 @@ struct ReconstructedSurface {
 /// Where Poisson's surface does not close about the points it is tried in a roomier cube; with
 /// kAuto, wrapping steps in when that fails too.
 ///
-/// Cells are 1.1 * extent / 2^depth wide: 0.5 mm for 120 mm at depth 8. Confidence is 0 on the cap
-/// and where no point with a like normal lies within two and a half cells or three spacings of
-/// points; else in (0, 1]: that of the nearest points, less the farther they are. Normals are area
-/// weighted.
+/// Cells are 1.1 * extent / 2^depth wide (0.5 mm for 120 mm at depth 8), in the roomier cube 1.6.
+/// Confidence is 0 on the cap and where no point with a like normal lies within two and a half
+/// cells or three spacings of points; else in (0, 1]: that of the nearest points, less the farther
+/// they are. Normals are area weighted.
 ///
 /// Throws Error when there are no points, or no method gives a closed manifold.
 ReconstructedSurface ReconstructSurface(const PointCloud& object, double spacing_mm,

@@ -90,11 +90,11 @@ std::vector<std::pair<int, int>> FindSelfIntersections(const TriangleMesh& mesh)
 }
 
 Untangled RemoveSelfIntersections(const TriangleMesh& mesh) {
-  Untangled result;
-  result.mesh.vertices = mesh.vertices;
-  result.mesh.triangles = mesh.triangles;
-  std::vector<std::pair<int, int>> pairs = FindSelfIntersections(result.mesh);
-  result.found = static_cast<int>(pairs.size());
+  TriangleMesh moved;
+  moved.vertices = mesh.vertices;
+  moved.triangles = mesh.triangles;
+  std::vector<std::pair<int, int>> pairs = FindSelfIntersections(moved);
+  Untangled best{moved, static_cast<int>(pairs.size())};
   for (int round = 0; round < kRounds && !pairs.empty(); ++round) {
     std::vector<char> marked(mesh.vertices.size(), 0);
     for (const auto& [a, b] : pairs) {
@@ -102,11 +102,11 @@ Untangled RemoveSelfIntersections(const TriangleMesh& mesh) {
         for (int k = 0; k < 3; ++k) marked[mesh.triangles[t][k]] = 1;
       }
     }
-    MoveToNeighbors(result.mesh, Widen(std::move(marked), mesh, round / 2));
-    pairs = FindSelfIntersections(result.mesh);
+    MoveToNeighbors(moved, Widen(std::move(marked), mesh, round / 2));
+    pairs = FindSelfIntersections(moved);
+    if (static_cast<int>(pairs.size()) < best.left) best = {moved, static_cast<int>(pairs.size())};
   }
-  result.left = static_cast<int>(pairs.size());
-  return result;
+  return best;
 }
 
 }  // namespace lfm

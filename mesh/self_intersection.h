@@ -15,12 +15,12 @@ std::vector<std::pair<int, int>> FindSelfIntersections(const TriangleMesh& mesh)
 
 struct Untangled {
   TriangleMesh mesh;  ///< vertices and triangles only
-  int found = 0;      ///< pairs before
   int left = 0;       ///< pairs that could not be parted
 };
 
 /// Parts triangles that meet: the vertices about them, in rings that widen from round to round, go
-/// halfway to the middle of their neighbours, at most twelve rounds. Vertices at z = 0 keep that
+/// halfway to the middle of their neighbours, at most twelve rounds, of which the one that leaves
+/// the fewest pairs counts: where nothing can be parted, nothing moves. Vertices at z = 0 keep that
 /// height. Everything else stays as it is; the triangles' number and joints too.
 Untangled RemoveSelfIntersections(const TriangleMesh& mesh);
 

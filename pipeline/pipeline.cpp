@@ -198,8 +198,7 @@ MeshResult MakeMesh(const Run& run, const CalibResult& calib) {
                             run.options.mesh, run.progress, photos);
   }
   const ScanResult scan = LoadScan(run.workspace.Stage("scan"));
-  return BuildMesh(scan.points, SightsOf(scan, calib), calib, run.options.mesh, run.progress,
-                   photos);
+  return BuildMesh(scan.points, SightsOf(scan), calib, run.options.mesh, run.progress, photos);
 }
 
 std::string Lines(const std::vector<std::string>& lines) {

@@ -94,20 +94,20 @@ TEST(SightsOf, FollowTheScansInOrder) {
     scan.points.points.insert(scan.points.points.end(), wall.points.begin(), wall.points.end());
   }
   scan.rig.projector_from_camera.translation = {-100, 0, 0};
-  CalibResult calib;
-  calib.scans.resize(1);
-  calib.scans[0].id = "b";
-  calib.scans[0].camera_from_world = LookAt(kEye, {0, 0, 25}, Eigen::Vector3d::UnitZ());
-  const std::vector<ScanSight> sights = SightsOf(scan, calib);
+  scan.scans[1].camera_from_world = LookAt(kEye, {0, 0, 25}, Eigen::Vector3d::UnitZ());
+  const std::vector<ScanSight> sights = SightsOf(scan);
   ASSERT_EQ(sights.size(), 2u);
-  EXPECT_TRUE(sights[0].eyes.empty());
+  EXPECT_EQ(sights[0].first, 0);
+  EXPECT_EQ(sights[0].last, 10000);
+  ASSERT_EQ(sights[0].eyes.size(), 2u);
+  EXPECT_EQ(sights[0].eyes[0], Eigen::Vector3d(0, 0, 0));
   EXPECT_EQ(sights[1].first, 10000);
   EXPECT_EQ(sights[1].last, 20000);
   ASSERT_EQ(sights[1].eyes.size(), 2u);
   EXPECT_NEAR((sights[1].eyes[0] - kEye).norm(), 0, 1e-9);
   EXPECT_NEAR((sights[1].eyes[1] - kEye).norm(), 100, 1e-9);
   scan.points.points.pop_back();
-  EXPECT_TRUE(SightsOf(scan, calib).empty());
+  EXPECT_TRUE(SightsOf(scan).empty());
 }
 
 }  // namespace
