@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "sample_data/print_sampler.h"
 
 namespace lfm {
 namespace {
@@ -16,6 +17,15 @@ using V3f = Eigen::Vector3f;
 constexpr float kFar = 1e5f;
 constexpr float kDepthStepMm = 1.5f;
 constexpr int kPixelsAtOnce = 16 / kCoarseSamples;
+
+// What the coarse samples of a pixel met.
+struct Look {
+  static constexpr int kSeveral = -3, kObject = -2;
+  int surface = kSeveral;    // kSeveral, kObject, -1 for the room, or a patch
+  V3f albedo = V3f::Zero();  // that a patch's pixel was shaded with: 1 where its print varies
+
+  bool Varies() const { return albedo.x() == 1; }
+};
 
 struct Sample {
   SurfaceHit hit;
@@ -32,12 +42,13 @@ class PhotoTracer {
       : scene_(scene),
         shading_(shading),
         reflectance_(reflectance),
+        print_(reflectance, rays, camera_from_world),
         rays_(rays),
         world_from_camera_(camera_from_world.rotation.transpose().cast<float>()),
         eye_(camera_from_world.Center().cast<float>()) {}
 
-  // Returns how many rays it traced.
-  int64_t RenderRow(int y, RenderedPhoto& photo) const {
+  // Both passes return how many rays they traced. This one shades the pixels that show one thing.
+  int64_t RenderRow(int y, RenderedPhoto& photo, Look* looks) const {
     int64_t traced = 0;
     const int width = rays_.camera().width;
     float* out = &photo.radiance.At<float>(0, y);
@@ -56,16 +67,44 @@ class PhotoTracer {
         for (int s = 0; s < kCoarseSamples; ++s) {
           samples[s] = Resolve(packet, i * kCoarseSamples + s);
         }
-        V3f radiance;
-        if (IsSimple(samples)) {
-          radiance = ShadeSimple(samples);
-          mask[x0 + i] = samples[0].hit.triangle >= 0 ? 255 : 0;
-        } else {
-          radiance = ShadeFine(x0 + i, y);
-          mask[x0 + i] = CenterIsObject(x0 + i, y) ? 255 : 0;
-          traced += kFineSamples + 1;
-        }
+        if (!IsSimple(samples)) continue;
+        const bool object = samples[0].hit.triangle >= 0;
+        if (Varies(samples)) samples[0].albedo = samples[3].albedo = V3f::Ones();
+        looks[x0 + i] = {object ? Look::kObject : samples[0].hit.patch, samples[0].albedo};
+        mask[x0 + i] = object ? 255 : 0;
+        const V3f radiance = ShadeSimple(samples);
         std::copy(radiance.data(), radiance.data() + 3, out + 3 * (x0 + i));
+      }
+    }
+    return traced;
+  }
+
+  // Looks closer where a pixel shows several things, or another one than a neighbour: coarse
+  // samples miss what crosses a pixel's rim only, and would leave pixels that are too small.
+  int64_t RefineRow(int y, const std::vector<Look>& looks, RenderedPhoto& photo) const {
+    int64_t traced = 0;
+    const Camera& camera = rays_.camera();
+    const auto look = [&](int column, int row) -> const Look& {
+      return looks[static_cast<size_t>(row) * camera.width + column];
+    };
+    for (int x = 0; x < camera.width; ++x) {
+      const Look& here = look(x, y);
+      bool several = here.surface == Look::kSeveral, edge = here.Varies();
+      for (int row = std::max(0, y - 1); row <= std::min(camera.height - 1, y + 1); ++row) {
+        for (int column = std::max(0, x - 1); column <= std::min(camera.width - 1, x + 1);
+             ++column) {
+          several |= look(column, row).surface != here.surface;
+          edge |= look(column, row).albedo != here.albedo;
+        }
+      }
+      Eigen::Map<V3f> radiance(&photo.radiance.At<float>(0, y) + 3 * x);
+      if (several) {
+        radiance = ShadeFine(x, y);
+        photo.mask.At<uint8_t>(x, y) = CenterIsObject(x, y) ? 255 : 0;
+        traced += kFineSamples + 1;
+      } else if (edge) {
+        const V3f mean = print_.PixelColor(scene_.patches()[here.surface], x, y);
+        radiance = radiance.cwiseQuotient(here.albedo).cwiseProduct(mean);
       }
     }
     return traced;
@@ -96,11 +135,16 @@ class PhotoTracer {
     for (int s = 1; s < kCoarseSamples; ++s) {
       const Sample& other = samples[s];
       if ((other.hit.triangle >= 0) != (first.hit.triangle >= 0)) return false;
-      if (other.hit.patch != first.hit.patch || other.albedo != first.albedo) return false;
+      if (other.hit.patch != first.hit.patch) return false;
       near = std::min(near, other.hit.distance);
       far = std::max(far, other.hit.distance);
     }
     return first.hit.triangle < 0 || far - near < kDepthStepMm;
+  }
+
+  static bool Varies(const Sample* samples) {
+    return std::any_of(samples + 1, samples + kCoarseSamples,
+                       [&](const Sample& s) { return s.albedo != samples[0].albedo; });
   }
 
   V3f ShadePatch(const Sample& s) const {
@@ -140,7 +184,14 @@ class PhotoTracer {
     }
     scene_.Intersect(packet, RayOrder::kCoherent);
     V3f sum = V3f::Zero();
-    for (int s = 0; s < kFineSamples; ++s) sum += Shade(Resolve(packet, s));
+    for (int s = 0; s < kFineSamples; ++s) {
+      Sample sample = Resolve(packet, s);
+      const int patch = sample.hit.patch;
+      if (patch >= 0 && scene_.patches()[patch].material == PatchMaterial::kPrint) {
+        sample.albedo = print_.CellColor(scene_.patches()[patch], x, y, s);
+      }
+      sum += Shade(sample);
+    }
     return sum / kFineSamples;
   }
 
@@ -154,6 +205,7 @@ class PhotoTracer {
   const StudioScene& scene_;
   const CoatShading& shading_;
   const SetReflectance& reflectance_;
+  PrintSampler print_;
   const PixelRays& rays_;
   Eigen::Matrix3f world_from_camera_;
   V3f eye_;
@@ -171,9 +223,18 @@ RenderedPhoto RenderPhoto(const StudioScene& scene, const CoatShading& shading,
   photo.mask = Image(camera.width, camera.height, 1, PixelType::kUint8, ColorEncoding::kSrgb);
   const PhotoTracer tracer(scene, shading, reflectance, rays, camera_from_world);
   std::vector<int64_t> traced(static_cast<size_t>(camera.height));
+  std::vector<Look> looks(static_cast<size_t>(camera.width) * camera.height);
+  constexpr int kRowsAtOnce = 4;
   ParallelFor(
       0, camera.height,
-      [&](int64_t y) { traced[y] = tracer.RenderRow(static_cast<int>(y), photo); }, 4);
+      [&](int64_t y) {
+        traced[y] = tracer.RenderRow(static_cast<int>(y), photo, &looks[y * camera.width]);
+      },
+      kRowsAtOnce);
+  ParallelFor(
+      0, camera.height,
+      [&](int64_t y) { traced[y] += tracer.RefineRow(static_cast<int>(y), looks, photo); },
+      kRowsAtOnce);
   for (const int64_t count : traced) photo.rays.camera += count;
   return photo;
 }

@@ -24,8 +24,9 @@ struct RenderedPhoto {
 using PhotoRenderer =
     std::function<RenderedPhoto(const PixelRays& rays, const Pose& camera_from_world)>;
 
-/// Renders one photograph: box-filtered pixels of 4 samples, 16 where a pixel holds more than one
-/// surface, a print edge or a depth edge; the coat shaded a pixel at two opposite samples
+/// Renders one photograph: box-filtered pixels of 4 samples, 16 where a pixel or the step to a
+/// neighbour holds more than one surface, a print edge or a depth edge, and print edges integrated
+/// over the pixel's square (PrintSampler); the coat shaded a pixel at two opposite samples
 /// elsewhere. No random numbers: the same picture for every number of threads.
 RenderedPhoto RenderPhoto(const StudioScene& scene, const CoatShading& shading,
                           const SetReflectance& reflectance, const PixelRays& rays,

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "sample_data/print_sampler.h"
 #include "sample_data/random.h"
 #include "sample_data/scan_bounce.h"
 
@@ -42,6 +43,7 @@ class ScanTracer {
              const Pose& camera_from_world, const PatternTable& patterns,
              const ScanExposure& exposure, uint64_t seed, uint64_t picture)
       : subject_(subject),
+        print_(*subject.reflectance, rays, camera_from_world),
         rays_(rays),
         patterns_(patterns),
         exposure_(exposure),
@@ -74,8 +76,9 @@ class ScanTracer {
     SurfacePoint first[kFineSamples];
     bool any = false, gathers = false;
     guide.whole = true;
+    for (int s = 0; s < kFineSamples; ++s) first[s] = Resolve(packet, s);
+    IntegratePrint(packet, x, y, first);
     for (int s = 0; s < kFineSamples; ++s) {
-      first[s] = Resolve(packet, s);
       any |= first[s].valid;
       gathers |= first[s].bounces;
       guide.whole &= first[s].bounces;
@@ -131,6 +134,24 @@ class ScanTracer {
       p.bounces = patch.material != PatchMaterial::kTable;
     }
     return p;
+  }
+
+  // Albedo of the cells of a pixel that holds a print edge, for that of their points.
+  void IntegratePrint(const RayPacket& packet, int x, int y, SurfacePoint* points) const {
+    const Patch* prints[kFineSamples] = {};
+    bool varies = false;
+    for (int s = 0; s < kFineSamples; ++s) {
+      const int hit = StudioScene::Hit(packet, s).patch;
+      if (hit < 0) continue;
+      const Patch& patch = subject_.scene->patches()[hit];
+      if (patch.material != PatchMaterial::kPrint) continue;
+      prints[s] = &patch;
+      varies |= points[s].albedo != points[0].albedo;
+    }
+    if (!varies && (prints[0] == nullptr || !print_.CornersDiffer(*prints[0], x, y))) return;
+    for (int s = 0; s < kFineSamples; ++s) {
+      if (prints[s] != nullptr) points[s].albedo = Luminance(print_.CellColor(*prints[s], x, y, s));
+    }
   }
 
   // Adds the projector's light on each point, times `factor`; hidden points get none. The points
@@ -260,6 +281,7 @@ class ScanTracer {
   }
 
   const ScanSubject& subject_;
+  PrintSampler print_;
   const PixelRays& rays_;
   const PatternTable& patterns_;
   const ScanExposure& exposure_;

@@ -191,7 +191,10 @@ Eigen::Vector3f SetReflectance::Color(const Patch& patch, const Eigen::Vector3f&
 }
 
 float SetReflectance::Albedo(const Patch& patch, const Eigen::Vector3f& point) const {
-  const Eigen::Vector3f color = Color(patch, point);
+  return Luminance(Color(patch, point));
+}
+
+float Luminance(const Eigen::Vector3f& color) {
   const bool gray = color.x() == color.y() && color.y() == color.z();
   return gray ? color.x() : color.dot(Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f));
 }

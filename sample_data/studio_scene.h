@@ -81,13 +81,16 @@ class StudioScene {
   RTCScene scene_ = nullptr;
 };
 
+/// Rec. 709 luminance of linear RGB: what a gray camera sees.
+float Luminance(const Eigen::Vector3f& color);
+
 /// Diffuse reflectance of the set.
 class SetReflectance {
  public:
   explicit SetReflectance(const Board& board) : print_(board) {}
   /// Linear RGB albedo at `point` (world) on `patch`.
   Eigen::Vector3f Color(const Patch& patch, const Eigen::Vector3f& point) const;
-  /// Its Rec. 709 luminance: what a gray camera sees.
+  /// Its luminance.
   float Albedo(const Patch& patch, const Eigen::Vector3f& point) const;
 
  private:

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/pose.h"
 #include "sample_data/camera_path.h"
@@ -63,24 +64,89 @@ double Asymmetry(const Image& image, const Eigen::Vector2d& center) {
   return sum;
 }
 
+// The plate on its table in even light, without an object.
+struct EmptySet {
+  Board board = DefaultBoard();
+  SetReflectance reflectance{board};
+  StudioScene scene{nullptr, MakePlateAndTable(board, {Eigen::Matrix3d::Identity(), {0, 0, -5}})};
+  Lighting lighting = EvenLighting();
+  Subject nothing;
+  BakedLight light =
+      BakeLight(scene, nothing, lighting, reflectance, CoarseBake(), SilentProgress());
+  CoatShading shading{nothing, lighting, light};
+  Camera camera = MakePhotoCamera(480, 360);
+  PixelRays rays{camera};
+  Pose pose = LookAt(V3(60, -120, 260), V3(5, 3, 0), V3(0.1, 1, 0.2));
+  RenderedPhoto photo = RenderPhoto(scene, shading, reflectance, rays, pose);
+
+  static Lighting EvenLighting() {
+    Lighting lighting;
+    lighting.sky = lighting.wall = Eigen::Vector3f(1, 1, 1);
+    return lighting;
+  }
+  static BakeOptions CoarseBake() {
+    BakeOptions bake;
+    bake.gather_rays = 16;
+    bake.plate_spacing_mm = 40;
+    return bake;
+  }
+};
+
+// Against a thousand places a pixel: a renderer that overlooks what crosses a pixel's rim shows
+// pixels that are too small, and calibration would find every tag too small.
+TEST(PhotoRenderer, PixelsOfPrintAreMeansOverTheirSquares) {
+  const EmptySet set;
+  constexpr int kSide = 32;
+  const Patch& plate = set.scene.patches()[0];
+  const Eigen::Vector3d eye = set.pose.Center();
+  double square = 0, sum = 0;
+  int edges = 0;
+  for (int y = 0; y < set.camera.height; ++y) {
+    for (int x = 0; x < set.camera.width; ++x) {
+      double albedo = 0, paper = 0;
+      bool inside = true;
+      V3 middle = V3::Zero();
+      for (int s = 0; s < kSide * kSide && inside; ++s) {
+        const float dx = (static_cast<float>(s % kSide) + 0.5f) / kSide - 0.5f;
+        const float dy = (static_cast<float>(s / kSide) + 0.5f) / kSide - 0.5f;
+        const V3 d =
+            set.pose.rotation.transpose() * set.rays.Direction(x, y, dx, dy).cast<double>();
+        const V3 point = eye - eye.z() / d.z() * d;
+        inside = d.z() < 0 && point.head<2>().cwiseAbs().maxCoeff() < set.board.width_mm / 2 - 1;
+        if (!inside) break;
+        const double here = set.reflectance.Albedo(plate, point.cast<float>());
+        albedo += here / (kSide * kSide);
+        paper = std::max(paper, here);
+        middle += point / (kSide * kSide);
+      }
+      const bool edge =
+          albedo < paper - 1e-6 &&
+          std::abs(albedo - set.reflectance.Albedo(plate, middle.cast<float>())) > 1e-6;
+      if (!inside || !edge) continue;
+      const V3 d = middle - plate.origin;
+      const double light = set.light.patches[0].Sample(plate, d.dot(plate.u), d.dot(plate.v)).y();
+      const double error =
+          set.photo.radiance.At<float>(x, y, 1) * std::numbers::pi / light - albedo;
+      EXPECT_NEAR(error, 0, 0.03) << x << " " << y;
+      square += error * error;
+      sum += error;
+      ++edges;
+    }
+  }
+  ASSERT_GT(edges, 1000);
+  // Paper's albedo less ink's is 0.565.
+  EXPECT_LT(std::sqrt(square / edges), 0.005);
+  EXPECT_NEAR(sum / edges, 0, 2e-4);
+}
+
 // The rendered place of known world points against Project: a bias of half a pixel, or a row or
 // column swapped, would show at once.
 TEST(PhotoRenderer, CheckerCornersAppearWhereTheCameraProjectsThem) {
-  const Board board = DefaultBoard();
-  const SetReflectance reflectance(board);
-  const StudioScene scene(nullptr,
-                          MakePlateAndTable(board, {Eigen::Matrix3d::Identity(), {0, 0, -5}}));
-  Lighting lighting;
-  lighting.sky = lighting.wall = Eigen::Vector3f(1, 1, 1);
-  const Subject nothing;
-  BakeOptions bake;
-  bake.gather_rays = 16;
-  bake.plate_spacing_mm = 40;
-  const BakedLight light = BakeLight(scene, nothing, lighting, reflectance, bake, SilentProgress());
-  const CoatShading shading(nothing, lighting, light);
-  const Camera camera = MakePhotoCamera(480, 360);
-  const Pose pose = LookAt(V3(60, -120, 260), V3(5, 3, 0), V3(0.1, 1, 0.2));
-  const RenderedPhoto photo = RenderPhoto(scene, shading, reflectance, PixelRays(camera), pose);
+  const EmptySet set;
+  const Board& board = set.board;
+  const Camera& camera = set.camera;
+  const Pose& pose = set.pose;
+  const RenderedPhoto& photo = set.photo;
   double mean_x = 0, mean_y = 0;
   int count = 0;
   for (const V3& corner : board.CheckerCorners()) {
