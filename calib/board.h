@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -133,6 +134,10 @@ class BoardPrint {
   BoardPrint& operator=(BoardPrint&&) noexcept;
   /// A point that is not finite lies outside the plate.
   double Value(const Eigen::Vector2d& point_mm) const;
+  /// Mean of Value over the points center + slope (x, y), no answer counting as ink. `x` and `y`:
+  /// of one size, above 0. Many times faster than point by point.
+  double MeanValue(const Eigen::Vector2d& center_mm, const Eigen::Matrix2d& slope,
+                   std::span<const float> x, std::span<const float> y) const;
   /// Linear RGB, 0 ink to 1 paper; circles in their colour; no answer outside the plate.
   std::optional<Eigen::Vector3f> Color(const Eigen::Vector2d& point_mm) const;
   /// A radius (mm, often 0, never too large) within which Value is the same all round; 0 outside.

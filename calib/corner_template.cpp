@@ -66,8 +66,10 @@ PixelFootprint MakePixelFootprint(double blur_px, PixelSampling sampling) {
   for (int i = 0; i < lattice.points; ++i) {
     const double u = (i + 0.5) / lattice.points;
     const double v = std::fmod((i + 0.5) * lattice.generator / lattice.points, 1.0);
-    footprint.offsets.emplace_back(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
-    footprint.reach = std::max(footprint.reach, footprint.offsets.back().norm());
+    const Eigen::Vector2d offset(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
+    footprint.x.push_back(static_cast<float>(offset.x()));
+    footprint.y.push_back(static_cast<float>(offset.y()));
+    footprint.reach = std::max(footprint.reach, offset.norm());
   }
   footprint.tail = 0.5 + 3.5 * blur_px;
   return footprint;
@@ -121,12 +123,7 @@ double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFo
     if (print.Value(board + slope * o) < 0 || print.Value(board - slope * o) < 0) return -1;
   }
   if (print.UniformRadius(board) > slope.norm() * footprint.reach) return print.Value(board);
-  double sum = 0;
-  for (const Eigen::Vector2d& o : footprint.offsets) {
-    // A corner of the footprint may stick out a little farther than the tails along the axes.
-    sum += std::max(0.0, print.Value(board + slope * o));
-  }
-  return sum / static_cast<double>(footprint.offsets.size());
+  return print.MeanValue(board, slope, footprint.x, footprint.y);
 }
 
 }  // namespace lfm

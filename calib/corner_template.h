@@ -13,10 +13,10 @@
 
 namespace lfm {
 
-/// Where the light of one pixel comes from: offsets (pixels) of equal weight, distributed as a
-/// square pixel blurred by a Gaussian. Point-symmetric, so that a straight edge is not displaced.
+/// Where the light of one pixel comes from: offsets (x, y; pixels) of equal weight, distributed as
+/// a square pixel blurred by a Gaussian. Point-symmetric, so that a straight edge is not displaced.
 struct PixelFootprint {
-  std::vector<Eigen::Vector2d> offsets;
+  std::vector<float> x, y;
   double reach = 0;  ///< length of the longest offset
   double tail = 0;   ///< beyond this distance no light is left to speak of
 };

@@ -9,6 +9,8 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <vector>
 
 #include "core/error.h"
 
@@ -94,6 +96,36 @@ TEST(BoardPrint, OutsideThePlateGivesNoAnswer) {
   EXPECT_EQ(print.Value({109.99, 109.99}), 1);
   EXPECT_EQ(print.Value({std::nan(""), 0}), -1);
   EXPECT_EQ(print.Value({std::numeric_limits<double>::infinity(), 0}), -1);
+}
+
+TEST(BoardPrint, MeanValueIsTheMeanOfValues) {
+  Board board = DefaultBoard();
+  board.circles.push_back({.center_mm = {95, 0}, .diameter_mm = 12});
+  const BoardPrint print = BoardPrint::WithMovedTags(board);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-118, 118), step(-1, 1);
+  std::vector<float> x, y;
+  for (int i = 0; i < 101; ++i) {
+    x.push_back(static_cast<float>(step(random)));
+    y.push_back(static_cast<float>(step(random)));
+  }
+  int mixed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector2d center(place(random), place(random));
+    Eigen::Matrix2d slope;
+    slope << step(random), step(random), step(random), step(random);
+    double sum = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+      sum += std::max(0.0, print.Value(center + slope * Eigen::Vector2d(x[k], y[k])));
+    }
+    const double mean = sum / static_cast<double>(x.size());
+    mixed += mean > 0 && mean < 1 ? 1 : 0;
+    // A place within a millionth of an edge may fall on its other side.
+    EXPECT_NEAR(print.MeanValue(center, slope, x, y), mean, 1.01 / static_cast<double>(x.size()));
+  }
+  EXPECT_GT(mixed, 500);
+  const Eigen::Vector2d nowhere(std::numeric_limits<double>::quiet_NaN(), 1e300);
+  EXPECT_EQ(print.MeanValue(nowhere, Eigen::Matrix2d::Identity(), x, y), 0);
 }
 
 TEST(BoardPrint, TurnedTagShowsTheSameCells) {
