@@ -190,7 +190,7 @@ RigCovariance ComputeRigCovariance(const RigState& state, const RigData& data,
 std::optional<Eigen::Vector2d> RigResidualPx(const RigState& state,
                                              const PlateCorrespondence& seen) {
   const Eigen::Vector3d point =
-      MeetPlate(state.platforms[static_cast<size_t>(seen.placement)], seen.ray);
+      MeetPlate(state.platforms[static_cast<size_t>(seen.placement)], seen.ray, seen.plate);
   const std::optional<Eigen::Vector2d> pixel =
       Project(state.projector, state.projector_from_camera * point);
   if (!pixel || !pixel->allFinite()) return std::nullopt;

@@ -36,7 +36,7 @@ std::vector<ResectionPoint> ResectionPoints(const std::vector<PlatePlacement>& p
   std::vector<ResectionPoint> points;
   for (const PlateCorrespondence& c : all) {
     const Eigen::Vector3d point =
-        MeetPlate(placements[static_cast<size_t>(c.placement)].camera_from_world, c.ray);
+        MeetPlate(placements[static_cast<size_t>(c.placement)].camera_from_world, c.ray, c.plate);
     points.push_back({point, c.projector_px, c.sigma_px.y() > 0});
   }
   return points;

@@ -56,6 +56,7 @@ Eigen::Matrix<T, 2, 1> RayOf(const T* intrinsics, const Eigen::Vector2d& pixel,
 /// A correspondence's residual once the camera's ray is known.
 struct LitResidual {
   Eigen::Vector2d projector_px, weight;  ///< weight 1 / sigma; y is 0 where the row is unknown
+  PlatePlane plate;
   Eigen::Matrix3d projector_start, platform_start;
   Camera lens_rest;  ///< the projector's k3 to k6, held
 
@@ -63,9 +64,10 @@ struct LitResidual {
   bool Evaluate(const Eigen::Matrix<T, 2, 1>& ray, const T* pinhole, const T* lens, const T* turn,
                 const T* translation, const T* platform, T* residual) const {
     using Vector = Eigen::Matrix<T, 3, 1>;
-    const Vector normal = TurnBy<T>(platform, Vector(platform_start.col(2).template cast<T>()));
+    const Vector normal =
+        TurnBy<T>(platform, Vector((platform_start * plate.normal).template cast<T>()));
     const Vector direction(ray[0], ray[1], T(1));
-    const T distance = normal.dot(Vector(platform[3], platform[4], platform[5]));
+    const T distance = normal.dot(Vector(platform[3], platform[4], platform[5])) + plate.height;
     const Vector point = direction * (distance / normal.dot(direction));
     const Vector lit = TurnBy<T>(turn, Vector(projector_start.template cast<T>() * point)) +
                        Vector(translation[0], translation[1], translation[2]);
@@ -151,8 +153,9 @@ void AddCorrespondence(const RigState& state, const PlateCorrespondence& seen, b
       seen.sigma_px.cwiseAbs2().array() + options.sigma_floor_px * options.sigma_floor_px;
   Eigen::Vector2d weight = variance.cwiseSqrt().cwiseInverse();
   if (!(seen.sigma_px.y() > 0)) weight.y() = 0;
-  const LitResidual lit{seen.projector_px, weight, state.projector_from_camera.rotation,
-                        state.platforms[i].rotation, state.projector};
+  const LitResidual lit{
+      seen.projector_px,           weight,         seen.plate, state.projector_from_camera.rotation,
+      state.platforms[i].rotation, state.projector};
   auto* loss = new ceres::HuberLoss(options.robust_scale);
   if (!camera_free) {
     a.problem.AddResidualBlock(

@@ -64,7 +64,7 @@ void AddEvidence(const DecodedSet& set, RigEvidence& evidence) {
 void KeepPlate(const RigCalibration& rig, DecodedSet& scan, PlateCount& count) {
   count.asked += static_cast<double>(scan.plate.size());
   std::erase_if(scan.plate, [&](const PlateCorrespondence& c) {
-    const Eigen::Vector3d point = MeetPlate(scan.platform.camera_from_world, c.ray);
+    const Eigen::Vector3d point = MeetPlate(scan.platform.camera_from_world, c.ray, c.plate);
     const auto pixel = Project(rig.projector, rig.projector_from_camera * point);
     return !pixel || !(std::abs(pixel->x() - c.projector_px.x()) <= kPlateReachPx);
   });

@@ -80,7 +80,9 @@ void DecodeSet(const ScanSet& set, const DecodingTask& task, Progress& progress,
   }
   const std::string nothing = WhyNothing(decoded, task.options);
   if (!nothing.empty()) throw Error(nothing);
-  out.plate = PlateCorrespondences(decoded, task.rays, task.board, out.platform, task.plate_points);
+  out.plate =
+      PlateCorrespondences(decoded, task.rays, task.board, task.calib.platform_shape.bend_per_mm,
+                           out.platform, task.plate_points);
   out.pixels.width = decoded.width;
   out.pixels.height = decoded.height;
   out.pixels.column = std::move(decoded.column);

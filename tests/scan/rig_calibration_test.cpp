@@ -25,6 +25,7 @@ struct Noise {
   double projector_px = 0;
   double pose_rad = 0, pose_mm = 0;
   double outliers = 0;  ///< share
+  Eigen::Vector3d bend_per_mm = Eigen::Vector3d::Zero();
 };
 
 struct Scene {
@@ -55,7 +56,9 @@ Scene MakeScene(const RigCalibration& truth, const std::vector<Pose>& poses, con
     scene.placements.push_back(placement);
     for (double y = -100; y <= 100; y += 8) {
       for (double x = -100; x <= 100; x += 8) {
-        const Eigen::Vector3d point = poses[i] * Eigen::Vector3d(x, y, 0);
+        const Eigen::Vector3d& bend = noise.bend_per_mm;
+        const double z = bend.x() * x * x + bend.y() * x * y + bend.z() * y * y;
+        const Eigen::Vector3d point = poses[i] * Eigen::Vector3d(x, y, z);
         const auto seen = Project(truth.camera, point);
         const auto lit = Project(truth.projector, truth.projector_from_camera * point);
         if (!seen || !lit || !truth.camera.Contains(*seen) || !truth.projector.Contains(*lit)) {
@@ -64,6 +67,7 @@ Scene MakeScene(const RigCalibration& truth, const std::vector<Pose>& poses, con
         PlateCorrespondence c;
         c.placement = static_cast<int>(i);
         c.ray = Unproject(truth.camera, *seen).hnormalized();
+        c.plate = PlateUnderRay(placement.camera_from_world, c.ray, bend);
         c.projector_px =
             *lit + noise.projector_px * Eigen::Vector2d(normal(random), normal(random));
         c.sigma_px.setConstant(std::max(noise.projector_px, 1e-3));
@@ -130,6 +134,15 @@ TEST(RigCalibration, ExactCorrespondencesGiveTheRigBack) {
     EXPECT_EQ(found.rig.projector_terms > 0, distorted);
     EXPECT_EQ(found.used, static_cast<int>(scene.correspondences.size()));
   }
+}
+
+TEST(RigCalibration, ABentPlateIsCountedOnWhereItIsKnown) {
+  Noise noise;
+  noise.bend_per_mm = {-3e-5, 1e-5, 2e-5};  // 0.3 mm at the rim
+  Scene scene = MakeScene(KnownRig(true), TiltedPlacements(), noise);
+  EXPECT_LT(WorstDepthError(Calibrate(scene).rig, scene.truth), 1e-4);
+  for (PlateCorrespondence& c : scene.correspondences) c.plate = {};
+  EXPECT_GT(WorstDepthError(Calibrate(scene).rig, scene.truth), 0.05);
 }
 
 TEST(RigCalibration, NoiseOfATwentiethPixelStaysWithinStatedBounds) {
