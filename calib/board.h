@@ -113,6 +113,14 @@ void ValidateBoard(const Board& board, const std::string& where);
 /// The same for a plate that need not be recognised by itself.
 void ValidatePrint(const Board& board, const std::string& where);
 
+/// What a print is near a point: two lines that cross at right angles, and the value in each of the
+/// four fields between them. Fields may be alike, so that one line or none is seen.
+struct PrintCross {
+  Eigen::Vector2d x_axis = {1, 0};     ///< unit; the other axis is a quarter turn to the left
+  Eigen::Vector2d offset_mm = {0, 0};  ///< from the point to the crossing, along the axes
+  double value[2][2];                  ///< [beyond along x][beyond along y]: 0 ink, 1 paper
+};
+
 /// Reflectance of one printed plate at a point of its plane (z = 0): 0 ink, 1 paper; exact
 /// geometry, without blur. Points outside the plate, and on circles (whose ink no two printers mix
 /// alike), give no answer (-1). Tags are upright as libapriltag draws them (OpenCV's drawings of
@@ -138,6 +146,9 @@ class BoardPrint {
   /// of one size, above 0. Many times faster than point by point.
   double MeanValue(const Eigen::Vector2d& center_mm, const Eigen::Matrix2d& slope,
                    std::span<const float> x, std::span<const float> y) const;
+  /// What the print is within `reach_mm` of a point. No answer where it is more than a cross: near
+  /// several cells' corners, a circle, the plate's edge, or two tags.
+  std::optional<PrintCross> CrossNear(const Eigen::Vector2d& point_mm, double reach_mm) const;
   /// Linear RGB, 0 ink to 1 paper; circles in their colour; no answer outside the plate.
   std::optional<Eigen::Vector3f> Color(const Eigen::Vector2d& point_mm) const;
   /// A radius (mm, often 0, never too large) within which Value is the same all round; 0 outside.
@@ -166,6 +177,8 @@ class BoardPrint {
   std::vector<PlacedTag> PlaceTags() const;
   void FillGrid();
   void FillRaster();
+  struct InkGrid;
+  std::optional<InkGrid> OnlyGridNear(const Eigen::Vector2d& point_mm, double reach_mm) const;
   bool EdgeWithin(const Eigen::Vector2d& point_mm, double radius_mm) const;
   double ExactValue(const Eigen::Vector2d& point_mm) const;
   bool InkOfTag(const PlacedTag& tag, const Eigen::Vector2d& point_mm) const;
@@ -180,10 +193,11 @@ class BoardPrint {
   int cells_across_ = 0;    ///< of a tag as printed
   double cell_mm_ = 0;      ///< side of a tag's cell
   double tag_half_mm_ = 0;  ///< half the side of a tag as printed
-  /// Grid over the plate, row by row from the lowest y: the tags that reach into each grid cell are
-  /// `grid_tags_[grid_offsets_[cell] .. grid_offsets_[cell + 1])`.
+  /// Grid over the plate, row by row from the lowest y: the tags that reach into each grid cell, or
+  /// come as near as `listed_mm_` to it, are `grid_tags_[grid_offsets_[cell] .. grid_offsets_[cell
+  /// + 1])`.
   int grid_columns_ = 0, grid_rows_ = 0;
-  double grid_per_mm_ = 0;
+  double grid_per_mm_ = 0, listed_mm_ = 0;
   std::vector<int> grid_offsets_, grid_tags_;
   /// Raster over the plate: 0 where an edge may pass; else the number of raster cells (Chebyshev)
   /// to the nearest such cell or the plate's border, positive on paper, negative on ink.

@@ -86,12 +86,12 @@ void BoardPrint::FillGrid() {
                      : std::min(kGridCellsPerTag / (2 * tag_half_mm_), kMaxGridCells / longest);
   grid_columns_ = static_cast<int>(board_.width_mm * grid_per_mm_) + 1;
   grid_rows_ = static_cast<int>(board_.height_mm * grid_per_mm_) + 1;
+  // Raster cells that only touch a tag must find it too.
+  listed_mm_ = std::max(cell_mm_, 1 / raster_per_mm_);
   std::vector<std::vector<int>> tags_of_cell(static_cast<size_t>(grid_columns_) * grid_rows_);
   for (size_t i = 0; i < tags_.size(); ++i) {
     const Eigen::Vector2d& axis = tags_[i].x_axis;
-    // Raster cells that only touch a tag must find it too.
-    const double reach =
-        tag_half_mm_ * (std::abs(axis.x()) + std::abs(axis.y())) + 1 / raster_per_mm_;
+    const double reach = tag_half_mm_ * (std::abs(axis.x()) + std::abs(axis.y())) + listed_mm_;
     const size_t low = GridCell(tags_[i].center_mm - Eigen::Vector2d::Constant(reach));
     const size_t high = GridCell(tags_[i].center_mm + Eigen::Vector2d::Constant(reach));
     const size_t columns = static_cast<size_t>(grid_columns_);

@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace lfm {
 namespace {
@@ -16,26 +15,6 @@ struct Lattice {
 };
 constexpr Lattice kCoarseLattice = {34, 21}, kFineLattice = {144, 89};
 constexpr double kSharpPx = 0.5;
-constexpr double kNoBlurPx = 1e-3;
-
-// Integral of the normal distribution function.
-double IntegratedNormal(double t, double sigma) {
-  const double z = t / sigma;
-  return t * 0.5 * std::erfc(-z / std::numbers::sqrt2) +
-         sigma * std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
-}
-
-// Quantile of a unit box convolved with a Gaussian, by bisection.
-double BlurredBoxQuantile(double probability, double sigma) {
-  if (sigma < kNoBlurPx) return probability - 0.5;
-  double low = -0.5 - 6 * sigma, high = 0.5 + 6 * sigma;
-  for (int i = 0; i < 60; ++i) {
-    const double x = (low + high) / 2;
-    const double below = IntegratedNormal(x + 0.5, sigma) - IntegratedNormal(x - 0.5, sigma);
-    (below < probability ? low : high) = x;
-  }
-  return (low + high) / 2;
-}
 
 // Second order of the lens round `normalized`: what moves the pixel at an offset d beyond the
 // linear lens, its even part, over x^2, x y, y^2 of d.
@@ -62,11 +41,11 @@ Eigen::Matrix<double, 2, 3> LensCurvature(const Camera& camera, const Eigen::Vec
 PixelFootprint MakePixelFootprint(double blur_px, PixelSampling sampling) {
   const bool fine = sampling == PixelSampling::kFine && blur_px < kSharpPx;
   const Lattice lattice = fine ? kFineLattice : kCoarseLattice;
-  PixelFootprint footprint;
+  PixelFootprint footprint{PixelProfile(blur_px), {}, {}};
   for (int i = 0; i < lattice.points; ++i) {
     const double u = (i + 0.5) / lattice.points;
     const double v = std::fmod((i + 0.5) * lattice.generator / lattice.points, 1.0);
-    const Eigen::Vector2d offset(BlurredBoxQuantile(u, blur_px), BlurredBoxQuantile(v, blur_px));
+    const Eigen::Vector2d offset(footprint.profile.Quantile(u), footprint.profile.Quantile(v));
     footprint.x.push_back(static_cast<float>(offset.x()));
     footprint.y.push_back(static_cast<float>(offset.y()));
     footprint.reach = std::max(footprint.reach, offset.norm());
@@ -123,6 +102,11 @@ double RenderPixel(const BoardPrint& print, const LocalView& view, const PixelFo
     if (print.Value(board + slope * o) < 0 || print.Value(board - slope * o) < 0) return -1;
   }
   if (print.UniformRadius(board) > slope.norm() * footprint.reach) return print.Value(board);
+  const Eigen::Vector2d across = slope.col(0) + slope.col(1), along = slope.col(0) - slope.col(1);
+  const double reach = footprint.tail * std::max(across.norm(), along.norm());
+  if (const std::optional<PrintCross> cross = print.CrossNear(board, reach)) {
+    return PixelOfCross(*cross, slope, footprint.profile);
+  }
   return print.MeanValue(board, slope, footprint.x, footprint.y);
 }
 

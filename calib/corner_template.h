@@ -8,6 +8,7 @@
 
 #include "calib/board.h"
 #include "calib/platform_shape.h"
+#include "calib/print_coverage.h"
 #include "core/camera.h"
 #include "core/pose.h"
 
@@ -16,6 +17,7 @@ namespace lfm {
 /// Where the light of one pixel comes from: offsets (x, y; pixels) of equal weight, distributed as
 /// a square pixel blurred by a Gaussian. Point-symmetric, so that a straight edge is not displaced.
 struct PixelFootprint {
+  PixelProfile profile;  ///< the same light, not in places
   std::vector<float> x, y;
   double reach = 0;  ///< length of the longest offset
   double tail = 0;   ///< beyond this distance no light is left to speak of

@@ -44,6 +44,7 @@ PictureOf TruthPictures(const GroundTruth& truth, std::string Photo::*file) {
   };
 }
 
+// Of the stages that have run.
 json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const GroundTruth& truth) {
   const PoseErrors poses = MeasurePoses(calib, truth);
   json figures = {{"pose_median_mm", poses.median_mm},
@@ -61,6 +62,8 @@ json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const G
   };
   add_intrinsics("", MeasurePhotoIntrinsics(calib, truth));
   add_intrinsics("scanner_", MeasureScannerIntrinsics(calib, truth));
+  const bool mesh_made = fs::exists(workspace.Stage("mesh") / "mesh.json");
+  if (!mesh_made && !fs::exists(workspace.Stage("scan") / "points.ply")) return figures;
   const GeometryJudge judge(truth);
   if (fs::exists(workspace.Stage("scan") / "points.ply")) {
     const PointErrors points =
@@ -71,6 +74,7 @@ json TruthGeometry(const Workspace& workspace, const CalibResult& calib, const G
     figures["points_completeness"] = points.completeness;
     figures["seen_share"] = points.seen_share;
   }
+  if (!mesh_made) return figures;
   const MeshResult mesh = LoadMesh(workspace.Stage("mesh"));
   const SurfaceErrors surface = judge.MeasureSurface(mesh.surface);
   const SurfaceErrors decimated = judge.MeasureSurface(mesh.mesh);
@@ -148,6 +152,13 @@ json EvaluateWithTruth(const Capture& capture, const Workspace& workspace, Progr
   if (!scores[1].photos.empty()) figures["heldout_psnr_noisefree_db"] = scores[1].psnr_db;
   return {{"truth", figures},
           {"evaluate", Figures(capture, calib, scores[0], Foreground::kTrueMask, progress)}};
+}
+
+json EvaluateGeometry(const Capture& capture, const Workspace& workspace, Progress& progress) {
+  const GroundTruth truth = LoadGroundTruth(capture.folder);
+  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  progress.Start("evaluate: geometry against the truth", 1);
+  return TruthGeometry(workspace, calib, truth);
 }
 
 json EvaluateImages(const Capture& capture, const Workspace& workspace, const fs::path& images,

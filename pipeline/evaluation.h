@@ -20,6 +20,11 @@ nlohmann::json EvaluateWorkspace(const Capture& capture, const Workspace& worksp
 nlohmann::json EvaluateWithTruth(const Capture& capture, const Workspace& workspace,
                                  Progress& progress);
 
+/// The `truth` figures of cameras, points and surfaces alone, of the stages that have run: no model
+/// is needed. Opens `CAPTURE/ground_truth`; throws Error when cameras are missing.
+nlohmann::json EvaluateGeometry(const Capture& capture, const Workspace& workspace,
+                                Progress& progress);
+
 /// Which pixels count.
 enum class Foreground { kSurfaceSilhouette, kTrueMask };
 

@@ -10,11 +10,15 @@
 namespace {
 
 struct EvaluateOptions {
-  bool ground_truth = false;
+  bool ground_truth = false, geometry = false;
   std::string images;
   void Declare(lfm::OptionVisitor& v) {
     v.Flag({"ground-truth", "Compare with CAPTURE/ground_truth too (synthetic captures)."},
            ground_truth);
+    v.Flag({"geometry",
+            "Compare only cameras, points and surfaces with CAPTURE/ground_truth, as far as the "
+            "stages have run."},
+           geometry);
     v.Text({"images",
             "Score this folder's pictures ID.png of the test photographs' cameras "
             "instead of the model."},
@@ -46,6 +50,10 @@ int main(int argc, char** argv) {
   return line.Run(argc, argv, [&](lfm::Progress& progress) {
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::Workspace workspace{work};
+    if (options.geometry) {
+      PrintFigures("truth", lfm::EvaluateGeometry(capture, workspace, progress));
+      return;
+    }
     if (!options.images.empty()) {
       PrintFigures("images",
                    lfm::EvaluateImages(capture, workspace, options.images,

@@ -73,6 +73,20 @@ Eigen::Vector3d Reflected(const std::vector<PlateView>& views, const Camera& cam
   return color;
 }
 
+// Whether all of a pixel shows one paper or ink, as far as it is easily seen.
+bool IsUniform(const std::vector<PlateView>& views, const Camera& camera, int x, int y) {
+  if (views.size() != 1) return false;
+  const std::vector<Eigen::Vector3d>& c = views[0].at_corners;
+  const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
+  const size_t below = i + camera.width + 1;
+  const Eigen::Vector2d middle = (c[i] + c[i + 1] + c[below] + c[below + 1]).head<2>() / 4;
+  double reach = 0;
+  for (const size_t corner : {i, i + 1, below, below + 1}) {
+    reach = std::max(reach, (c[corner].head<2>() - middle).norm());
+  }
+  return views[0].print->UniformRadius(middle) > reach;
+}
+
 std::vector<Eigen::Vector3d> RenderLinear(const BoardPrint& print, const Camera& camera,
                                           const Pose& camera_from_world,
                                           const RenderSettings& settings) {
@@ -87,13 +101,18 @@ std::vector<Eigen::Vector3d> RenderLinear(const BoardPrint& print, const Camera&
   ParallelFor(0, camera.height, [&](int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < camera.width; ++x) {
-      Eigen::Vector3d sum(0, 0, 0);
-      for (int s = 0; s < n * n; ++s) {
-        sum += Reflected(views, camera, x, y, (s % n + 0.5) / n, (s / n + 0.5) / n);
+      Eigen::Vector3d value = Reflected(views, camera, x, y, 0.5, 0.5);
+      if (!IsUniform(views, camera, x, y)) {
+        value.setZero();
+        // Every place has a column and a row of its own: edges along either lose nothing.
+        for (int i = 0; i < n; ++i) {
+          for (int j = 0; j < n; ++j) {
+            const double u = (i + (j + 0.5) / n) / n, v = (j + (i + 0.5) / n) / n;
+            value += Reflected(views, camera, x, y, u, v) / (n * n);
+          }
+        }
       }
-      Eigen::Vector3d value =
-          sum / (n * n) *
-          (1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5));
+      value *= 1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5);
       const double ex = (x - camera.width / 2.0) / (camera.width / 2.0);
       const double ey = (y - camera.height / 2.0) / (camera.height / 2.0);
       if (std::hypot(ex, ey) < settings.hidden_share) value.setConstant(kObject);

@@ -16,7 +16,7 @@ namespace lfm {
 
 /// What the test's photographer does beside pointing the camera.
 struct RenderSettings {
-  int subsamples = 6;        ///< along each side of a pixel
+  int subsamples = 12;       ///< along each side of a pixel that holds an edge
   double full_well = 20000;  ///< electrons at linear 1; 0: no noise
   double read_noise = 5;     ///< electrons
   uint32_t seed = 1;

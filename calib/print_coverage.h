@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "calib/board.h"
+
+namespace lfm {
+
+/// How light is gathered along one side of a pixel: a box as wide as the pixel, blurred by a
+/// Gaussian. A pixel is the product of two of them.
+class PixelProfile {
+ public:
+  /// `blur_px`: standard deviation, >= 0.
+  explicit PixelProfile(double blur_px);
+
+  double blur_px() const { return blur_px_; }
+  /// Share of the light from below `x` (pixels, 0: the middle); within 1e-5.
+  double ShareBelow(double x) const;
+  /// The inverse, for 0 < share < 1; within 1e-9.
+  double Quantile(double share) const;
+  /// Places of equal shares of the light, each in the middle of its share.
+  const std::vector<double>& places() const { return places_; }
+
+ private:
+  double blur_px_, reach_;
+  std::vector<double> shares_, places_;
+};
+
+/// Share of a pixel's light from where row . o < distance, o the offset in pixels: closed form.
+double ShareBehindLine(const PixelProfile& profile, const Eigen::Vector2d& row, double distance);
+
+/// Mean value that a pixel sees of a print as `cross` says it is all round: exact where one line
+/// passes, within 0.002 where two do. `slope`: mm on the plate a pixel.
+double PixelOfCross(const PrintCross& cross, const Eigen::Matrix2d& slope,
+                    const PixelProfile& profile);
+
+}  // namespace lfm
