@@ -14,13 +14,14 @@ namespace {
 
 using kernels::GrayInterval;
 using kernels::GrayNoise;
+using kernels::GrayPlaces;
 using kernels::GrayPlacing;
 using kernels::GrayPlanes;
 using kernels::GrayReading;
 using kernels::kGrayBlock;
 using kernels::kGrayIntervals;
 
-constexpr size_t kSampleBlocks = 48;
+constexpr size_t kSampleBlocks = 32;
 constexpr size_t kNoiseStride = 16;
 // (o + f) / direct light is 2 / w for a pixel that averages over w cells: above this, w < 2.2.
 constexpr double kLeastMeanStrength = 0.9;
@@ -136,18 +137,33 @@ NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
 /// Blocks that stand for all, evenly spread.
 std::vector<size_t> SampleBlocks(size_t pixels) {
   const size_t blocks = (pixels + kGrayBlock - 1) / kGrayBlock;
-  const size_t count = std::min(blocks, kSampleBlocks);
+  const size_t count = std::min(blocks, kSampleBlocks), pairs = (count + 1) / 2;
   std::vector<size_t> begins;
-  for (size_t i = 0; i < count; ++i)
-    begins.push_back((2 * i + 1) * blocks / (2 * count) * kGrayBlock);
+  for (size_t i = 0; i < count; ++i) {
+    // Two side by side: far places of forty frames are slow to come.
+    const size_t pair = (2 * (i / 2) + 1) * blocks / (2 * pairs);
+    begins.push_back(std::min(blocks - 1, pair + i % 2) * kGrayBlock);
+  }
   return begins;
+}
+
+/// Lets a block's pixels come while another is looked at.
+template <typename T>
+void Fetch(const AxisPlanes<T>& planes, size_t begin, size_t pixels) {
+  const size_t end = std::min(begin + kGrayBlock, pixels);
+  for (size_t p = begin; p < end; p += 64 / sizeof(T)) {
+    for (const T* frame : planes.pattern) __builtin_prefetch(frame + p);
+    for (const T* frame : planes.inverse) __builtin_prefetch(frame + p);
+  }
 }
 
 template <typename T>
 GrayNoise EstimateNoise(const AxisPlanes<T>& planes, const std::vector<uint8_t>& usable) {
   std::vector<NoiseSample> samples;
-  for (size_t begin : SampleBlocks(usable.size())) {
-    const size_t end = std::min(begin + kGrayBlock, usable.size());
+  const std::vector<size_t> begins = SampleBlocks(usable.size());
+  for (size_t i = 0; i < begins.size(); ++i) {
+    if (i + 1 < begins.size()) Fetch(planes, begins[i + 1], usable.size());
+    const size_t begin = begins[i], end = std::min(begin + kGrayBlock, usable.size());
     for (size_t p = begin; p < end; p += kNoiseStride) {
       if (!usable[p]) continue;
       samples.push_back(planes.measured_inverses ? PairNoise(planes, p) : LitNoise(planes, p));
@@ -178,8 +194,9 @@ CellStatistics SampleCells(const AxisPlanes<T>& planes, int left_out, const Gray
     kernels::ReadGray(planes.Kernel(left_out), noise, &light.contrast[begin],
                       static_cast<long>(begin), static_cast<int>(count), reading);
     for (size_t i = 0; i < count; ++i) {
-      const bool good = light.usable[begin + i] && reading.weakest[i] >= placing.min_weakest &&
-                        reading.direct[i] >= placing.min_direct && reading.strength[i] > 0;
+      const bool good = light.usable[begin + i] && reading.fit[i] && reading.strength[i] > 0 &&
+                        reading.weakest[i] >= placing.min_weakest &&
+                        reading.direct[i] >= placing.min_direct;
       if (!good) continue;
       const double at = 0.5 * kGrayIntervals * (std::clamp(reading.balance[i], -1.0F, 1.0F) + 1.0);
       const size_t interval = std::min<size_t>(kGrayIntervals - 1, static_cast<size_t>(at));
@@ -218,25 +235,41 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
   return widest;
 }
 
-/// Appends block by block, so that memory is written once.
+/// Appends block by block and rejects islands as rows become whole, so that memory is written once.
 template <typename T>
 void PlaceAll(const AxisPlanes<T>& planes, int left_out, const GrayNoise& noise,
-              const PixelLight& light, const GrayPlacing& placing, AxisCoordinates& out) {
+              const PixelLight& light, const GrayPlacing& placing, int width,
+              AxisCoordinates& out) {
   const size_t pixels = light.usable.size();
   out.position.reserve(pixels);
   out.sigma.reserve(pixels);
   out.confidence.reserve(pixels);
-  GrayReading reading;
-  std::array<float, kGrayBlock> position, sigma, confidence;
+  const long height = static_cast<long>(pixels) / width;
+  const kernels::GrayRaster raster{width, height, out.position.data(), out.sigma.data(),
+                                   out.confidence.data()};
+  const float reach = std::max<float>(kMaxStepPx, 2 * placing.cell_px);
+  std::vector<int32_t> kept(2 * static_cast<size_t>(width));
+  long compared = 0;
+  GrayPlaces places;
   for (size_t begin = 0; begin < pixels; begin += kGrayBlock) {
     const size_t count = std::min<size_t>(kGrayBlock, pixels - begin);
-    kernels::ReadGray(planes.Kernel(left_out), noise, &light.contrast[begin],
-                      static_cast<long>(begin), static_cast<int>(count), reading);
-    kernels::PlaceGray(reading, placing, &light.usable[begin], static_cast<int>(count),
-                       position.data(), sigma.data(), confidence.data());
-    out.position.insert(out.position.end(), position.begin(), position.begin() + count);
-    out.sigma.insert(out.sigma.end(), sigma.begin(), sigma.begin() + count);
-    out.confidence.insert(out.confidence.end(), confidence.begin(), confidence.begin() + count);
+    // What will be written comes while it is computed.
+    for (size_t i = begin; i < begin + count; i += 64 / sizeof(float)) {
+      __builtin_prefetch(raster.position + i, 1);
+      __builtin_prefetch(raster.sigma + i, 1);
+      __builtin_prefetch(raster.confidence + i, 1);
+    }
+    kernels::DecodeGray(planes.Kernel(left_out), noise, placing, &light.contrast[begin],
+                        &light.usable[begin], static_cast<long>(begin), static_cast<int>(count),
+                        places);
+    out.position.insert(out.position.end(), places.position, places.position + count);
+    out.sigma.insert(out.sigma.end(), places.sigma, places.sigma + count);
+    out.confidence.insert(out.confidence.end(), places.confidence, places.confidence + count);
+    // A row is compared once the next is there, too.
+    const long rows = static_cast<long>(begin + count) / width;
+    const long comparable = rows == height ? height + 1 : std::max(compared, rows - 1);
+    kernels::RejectIslands(raster, compared, comparable, reach, kept.data());
+    compared = comparable;
   }
 }
 
@@ -262,11 +295,7 @@ AxisCoordinates DecodePlanes(const FramePlanes& planes, const AxisPlanes<T>& axi
   placing.cell_px = static_cast<float>(frames.CellPx() << left_out);
   const double widest = EqualizePlaces(statistics, placing);
 
-  PlaceAll(axis_planes, left_out, noise, light, placing, out);
-  std::vector<uint32_t> scratch(2 * static_cast<size_t>(planes.width()));
-  kernels::RejectIslands(planes.width(), planes.height(),
-                         std::max<float>(kMaxStepPx, 2 * placing.cell_px), scratch.data(),
-                         out.position.data(), out.sigma.data(), out.confidence.data());
+  PlaceAll(axis_planes, left_out, noise, light, placing, planes.width(), out);
   if (widest > kWidePart) {
     InterpolateBetweenEdges(planes.width(), planes.height(), placing.cell_px, axis, out);
   }
