@@ -49,12 +49,10 @@ LFM_INLINE Floats OrMost(Ints mask, Floats apart) {
 /// Of a block of pixels. A distance goes with the brighter value of its pair.
 template <typename T>
 struct BitBlock {
-  uint16_t cell[kGrayBlock];
   T finest_p[kGrayBlock], finest_q[kGrayBlock];
   T other_p[kGrayBlock], other_q[kGrayBlock];
   T weak[kGrayBlock], weak_bright[kGrayBlock];
   T strong[kGrayBlock], strong_bright[kGrayBlock];
-  uint8_t fit[kGrayBlock];  ///< all bits set where what the first four are made of can be measured
 };
 
 /// Binary digits of each lane, bit by bit.
@@ -98,7 +96,8 @@ struct Digits<Ints> {
 /// bit left of the rightmost 1 of the Gray code: its value as seen here is taken when it comes by.
 /// A cell's digit is the parity of the Gray code's digits from it on: of all, less those before it.
 template <typename T>
-LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long at, int count, BitBlock<T>& out, int i) {
+LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long at, int count, BitBlock<T>& out,
+                         GrayReading& reading, int i) {
   using V = typename VectorsOf<T>::Values;
   using Mask = typename VectorsOf<T>::Mask;
   const V white = Load<V>(planes.white + at, count), black = Load<V>(planes.black + at, count);
@@ -114,8 +113,8 @@ LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long at, int count, BitBlo
     const V p = Load<V>(planes.pattern[bit] + at, count);
     const V q = Load<V>(planes.inverse[bit] + at, count);
     // Forty frames are more streams than the processor fetches ahead by itself.
-    __builtin_prefetch(planes.pattern[bit] + at + kGrayBlock);
-    __builtin_prefetch(planes.inverse[bit] + at + kGrayBlock);
+    __builtin_prefetch(planes.pattern[bit] + at + 2 * kGrayBlock);
+    __builtin_prefetch(planes.inverse[bit] + at + 2 * kGrayBlock);
     const BitPair<V> pair = PairOf(p, q);
     const Mask on = ~Mask(pair.bright == q);
     digits.Add(parity, bit);
@@ -139,22 +138,23 @@ LFM_INLINE void ReadBits(const GrayPlanes<T>& planes, long at, int count, BitBlo
     unseen &= ~on;
     if constexpr (sizeof(T) > 1) worst = Worse(worst, Unfit(pair.p, pair.q));
   }
-  digits.Finish(parity, planes.bits, out.cell + i);
+  digits.Finish(parity, planes.bits, reading.cell + i);
   Store(other_p, out.other_p + i);
   Store(other_q, out.other_q + i);
   Store(weak, out.weak + i);
   Store(weak_bright, out.weak_bright + i);
   Store(strong, out.strong + i);
   Store(strong_bright, out.strong_bright + i);
-  StoreBytes(IsFit(Worse(worst, Unfit(other_p, other_q))), out.fit + i);
+  StoreBytes(IsFit(Worse(worst, Unfit(other_p, other_q))), reading.fit + i);
 }
 
 template <typename T>
-LFM_INLINE void ReadBlock(const GrayPlanes<T>& planes, long begin, int count, BitBlock<T>& out) {
+LFM_INLINE void ReadBlock(const GrayPlanes<T>& planes, long begin, int count, BitBlock<T>& out,
+                          GrayReading& reading) {
   constexpr int kLanes = kVectorBytes / static_cast<int>(sizeof(T));
   int i = 0;
-  for (; i + kLanes <= count; i += kLanes) ReadBits(planes, begin + i, kLanes, out, i);
-  if (i < count) ReadBits(planes, begin + i, count - i, out, i);
+  for (; i + kLanes <= count; i += kLanes) ReadBits(planes, begin + i, kLanes, out, reading, i);
+  if (i < count) ReadBits(planes, begin + i, count - i, out, reading, i);
 }
 
 }  // namespace

@@ -97,17 +97,22 @@ AxisPlanes<float> FloatPlanes(const FramePlanes& planes, const AxisFrames& frame
   return out;
 }
 
-float LinearValue(uint8_t level) { return LinearOfLevels()[level]; }
-float LinearValue(float value) { return value; }
+/// Bytes by the table of levels, floats as they are.
+struct LinearValue {
+  const float* levels = LinearOfLevels();
+  float operator()(uint8_t level) const { return levels[level]; }
+  float operator()(float value) const { return value; }
+};
 
 /// Pattern + inverse is the same for all bits but for noise.
 template <typename T>
 NoiseSample PairNoise(const AxisPlanes<T>& planes, size_t p) {
   const double bits = static_cast<double>(planes.pattern.size());
+  const LinearValue linear;
   double sum = 0, squares = 0;
-  const double center = LinearValue(planes.pattern[0][p]) + LinearValue(planes.inverse[0][p]);
+  const double center = linear(planes.pattern[0][p]) + linear(planes.inverse[0][p]);
   for (size_t i = 0; i < planes.pattern.size(); ++i) {
-    const double v = LinearValue(planes.pattern[i][p]) + LinearValue(planes.inverse[i][p]) - center;
+    const double v = linear(planes.pattern[i][p]) + linear(planes.inverse[i][p]) - center;
     sum += v;
     squares += v * v;
   }
@@ -121,12 +126,13 @@ template <typename T>
 NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   std::array<float, 32> squares{};
   size_t count = 0;
-  const float white = LinearValue(planes.white[p]), black = LinearValue(planes.black[p]);
+  const LinearValue linear;
+  const float white = linear(planes.white[p]), black = linear(planes.black[p]);
   const bool bright = (p / kNoiseStride) % 2 == 0;
   const float level = bright ? white : black;
   // Most pixels see an edge of the finest bits.
   for (size_t i = planes.pattern.size() > 4 ? 2 : 0; i < planes.pattern.size(); ++i) {
-    const float v = LinearValue(planes.pattern[i][p]);
+    const float v = linear(planes.pattern[i][p]);
     if ((2 * v > white + black) == bright) squares[count++] = (v - level) * (v - level) / 2;
   }
   if (count == 0) return {level, NAN};
@@ -198,9 +204,9 @@ CellStatistics SampleCells(const AxisPlanes<T>& planes, int left_out, const Gray
                         reading.weakest[i] >= placing.min_weakest &&
                         reading.direct[i] >= placing.min_direct;
       if (!good) continue;
-      const double at = 0.5 * kGrayIntervals * (std::clamp(reading.balance[i], -1.0F, 1.0F) + 1.0);
-      const size_t interval = std::min<size_t>(kGrayIntervals - 1, static_cast<size_t>(at));
-      statistics.histogram[interval] += 1;
+      const float at = 0.5F * kGrayIntervals * (std::clamp(reading.balance[i], -1.0F, 1.0F) + 1);
+      const int interval = std::min(kGrayIntervals - 1, static_cast<int>(at));
+      statistics.histogram[static_cast<size_t>(interval)] += 1;
       statistics.pixels += 1;
       statistics.mean_strength += std::min(reading.strength[i] / reading.direct[i], 2.0F);
     }
@@ -218,13 +224,14 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
               (statistics.pixels + kPriorPixels);
   }
   double before = 0, widest = 0;
+  GrayInterval intervals[kGrayIntervals];
   for (size_t i = 0; i < mass.size(); ++i) {
     const double left = mass[i == 0 ? 1 : i - 1];
     const double right = mass[i + 1 == mass.size() ? i - 1 : i + 1];
     // What exceeds the neighbours twice over is a place without an edge: all its pixels alike.
     const double even = std::min(mass[i], left + right);
     const double alike = mass[i] - even;
-    GrayInterval& interval = placing.intervals[i];
+    GrayInterval& interval = intervals[i];
     interval.place = static_cast<float>(before + alike / 2);
     interval.slope = static_cast<float>(even / kWidth);
     // The shares themselves are counted; even phases count far better than chance.
@@ -232,6 +239,7 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
     before += mass[i];
     widest = std::max(widest, alike);
   }
+  kernels::SetIntervals(intervals, placing);
   return widest;
 }
 

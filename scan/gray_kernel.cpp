@@ -46,6 +46,18 @@ const GrayKernels* GrayKernelsHere(int i) {
   return i == 0 ? &kBaselineGray : nullptr;
 }
 
+void SetIntervals(const GrayInterval (&intervals)[kGrayIntervals], GrayPlacing& placing) {
+  const float cell_px = placing.cell_px;
+  for (int k = 0; k <= kGrayIntervals; ++k) {
+    const int i = std::min(k, kGrayIntervals - 1);
+    const GrayInterval& interval = intervals[i];
+    const float start = static_cast<float>(i) * (2.0F / kGrayIntervals) - 1;
+    placing.offset[k] = cell_px * (interval.place - interval.slope * start - 0.5F);
+    placing.slope[k] = cell_px * interval.slope;
+    placing.spread[k] = cell_px * cell_px * interval.spread;
+  }
+}
+
 void ReadGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise, const float* contrast,
               long begin, int count, GrayReading& reading, const GrayKernels& kernels) {
   const Padded<float> padded(contrast, count);

@@ -55,11 +55,18 @@ struct GrayInterval {
 
 /// From a reading to projector coordinates; the intervals divide [-1, 1] evenly.
 struct GrayPlacing {
-  GrayInterval intervals[kGrayIntervals];
   int size;       ///< projector pixels
   float cell_px;  ///< projector pixels a cell
   float min_weakest, min_strength, min_direct;
+
+  /// The intervals as they are looked up: offset + slope balance is the place from the cell's
+  /// middle, projector pixels. The last is there twice, since 1 belongs to it.
+  alignas(32) float offset[kGrayIntervals + 1], slope[kGrayIntervals + 1];
+  alignas(32) float spread[kGrayIntervals + 1];
 };
+
+/// Sets the intervals of a placing whose cell_px is set.
+void SetIntervals(const GrayInterval (&intervals)[kGrayIntervals], GrayPlacing& placing);
 
 /// The position of a pixel that DecodeGray does not know.
 constexpr float kNowhere = -1e9F;

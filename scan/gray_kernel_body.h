@@ -47,9 +47,7 @@ template <typename T>
 LFM_INLINE void Read(const GrayPlanes<T>& planes, const GrayNoise& noise, const float* contrast,
                      long begin, int count, GrayReading& reading) {
   BitBlock<T> bits;
-  ReadBlock(planes, begin, count, bits);
-  std::memcpy(reading.cell, bits.cell, sizeof(bits.cell));
-  std::memcpy(reading.fit, bits.fit, sizeof(bits.fit));
+  ReadBlock(planes, begin, count, bits, reading);
   const float constant = noise.pair_offset * noise.offset;
   const float own = noise.slope * noise.own, both = noise.slope * noise.both;
   Floats sums[kGrayBlock / kFloatLanes];
@@ -81,35 +79,12 @@ LFM_INLINE void Read(const GrayPlanes<T>& planes, const GrayNoise& noise, const 
   }
 }
 
-/// GrayPlacing as it is looked up: place in projector pixels from the cell's middle is
-/// offset + slope balance.
-struct PlaceTable {
-  alignas(kVectorBytes) float offset[kGrayIntervals + 1] = {};
-  alignas(kVectorBytes) float slope[kGrayIntervals + 1] = {};
-  alignas(kVectorBytes) float spread[kGrayIntervals + 1] = {};
-
-  LFM_INLINE explicit PlaceTable(const GrayPlacing& placing) {
-    for (int k = 0; k < kGrayIntervals; ++k) {
-      const GrayInterval& interval = placing.intervals[k];
-      const float start = static_cast<float>(k) * (2.0F / kGrayIntervals) - 1;
-      offset[k] = placing.cell_px * (interval.place - interval.slope * start - 0.5F);
-      slope[k] = placing.cell_px * interval.slope;
-      spread[k] = placing.cell_px * placing.cell_px * interval.spread;
-    }
-    // The end of the last interval, 1, belongs to it.
-    offset[kGrayIntervals] = offset[kGrayIntervals - 1];
-    slope[kGrayIntervals] = slope[kGrayIntervals - 1];
-    spread[kGrayIntervals] = spread[kGrayIntervals - 1];
-  }
-};
-
 template <typename T>
 LFM_INLINE void Decode(const GrayPlanes<T>& planes, const GrayNoise& noise,
                        const GrayPlacing& placing, const float* contrast, const uint8_t* usable,
                        long begin, int count, GrayPlaces& places) {
   GrayReading reading;
   Read(planes, noise, contrast, begin, count, reading);
-  const PlaceTable table(placing);
   for (int i = 0; i < count; ++i) reading.fit[i] &= static_cast<uint8_t>(-(usable[i] != 0));
   const float cell_px = placing.cell_px, middle = 0.5F * cell_px - 0.5F;
   const float last = static_cast<float>(placing.size) - 0.5F;
@@ -122,14 +97,14 @@ LFM_INLINE void Decode(const GrayPlanes<T>& planes, const GrayNoise& noise,
     const Floats direct = Load<Floats>(reading.direct + i);
     const Floats at = balance * (0.5F * kGrayIntervals) + 0.5F * kGrayIntervals;
     const Ints interval = __builtin_convertvector(at, Ints);
-    const Floats slope = LookUp(table.slope, interval);
-    const Floats in_cell = LookUp(table.offset, interval) + slope * balance;
+    const Floats slope = LookUp(placing.slope, interval);
+    const Floats in_cell = LookUp(placing.offset, interval) + slope * balance;
     const Ints cell = Whole(reading.cell + i);
     // Every other cell has its edges the other way round.
     const Floats place =
         cell_px * __builtin_convertvector(cell, Floats) + middle + FlipSign(in_cell, cell << 31);
     const Floats variance = slope * slope * AtMost(Load<Floats>(reading.variance + i), 1) +
-                            LookUp(table.spread, interval);
+                            LookUp(placing.spread, interval);
     const Ints good = MaskOf(reading.fit + i) & (weakest >= min_weakest) & (direct >= min_direct) &
                       (strength >= min_strength) & (place < last);
     Store(Select(good, place, kNowhere + Floats{}), places.position + i);

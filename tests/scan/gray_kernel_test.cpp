@@ -84,11 +84,13 @@ template <typename T>
 void ExpectAllAgree(int bits, int count, std::mt19937& random) {
   const RandomFrames<T> frames(bits, static_cast<size_t>(count), random);
   GrayPlacing placing{};
+  GrayInterval intervals[kGrayIntervals];
   for (int i = 0; i < kGrayIntervals; ++i) {
-    placing.intervals[i] = {static_cast<float>(i) / kGrayIntervals, 0.5F, 1e-4F};
+    intervals[i] = {static_cast<float>(i) / kGrayIntervals, 0.5F, 1e-4F};
   }
   placing.size = 1 << bits;
   placing.cell_px = 1;
+  SetIntervals(intervals, placing);
   placing.min_weakest = placing.min_strength = placing.min_direct = 0.05F;
   GrayReading first_reading, reading;
   GrayPlaces first, places;
