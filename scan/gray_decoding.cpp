@@ -140,15 +140,14 @@ NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   return {level, squares[count / 2]};
 }
 
-/// Blocks that stand for all, evenly spread.
+/// Blocks that stand for all: evenly spread pairs, since far places of forty frames are slow to
+/// come.
 std::vector<size_t> SampleBlocks(size_t pixels) {
   const size_t blocks = (pixels + kGrayBlock - 1) / kGrayBlock;
-  const size_t count = std::min(blocks, kSampleBlocks), pairs = (count + 1) / 2;
   std::vector<size_t> begins;
-  for (size_t i = 0; i < count; ++i) {
-    // Two side by side: far places of forty frames are slow to come.
-    const size_t pair = (2 * (i / 2) + 1) * blocks / (2 * pairs);
-    begins.push_back(std::min(blocks - 1, pair + i % 2) * kGrayBlock);
+  for (size_t i = 0; i < std::min(blocks, kSampleBlocks); ++i) {
+    const size_t pair = (2 * (i / 2) + 1) * blocks / kSampleBlocks;
+    begins.push_back((blocks > kSampleBlocks ? pair + i % 2 : i) * kGrayBlock);
   }
   return begins;
 }
