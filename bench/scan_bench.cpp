@@ -33,7 +33,7 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480;
 constexpr int kProjectorWidth = 1024, kProjectorHeight = 768;
 constexpr double kDefocusPx = 0.6, kFullWell = 8000, kReadNoise = 10;
-constexpr int kRuns = 7;
+constexpr int kRuns = 25;
 
 double Seconds(clockid_t clock) {
   timespec t{};

@@ -10,8 +10,6 @@
 namespace lfm {
 namespace {
 
-constexpr uint8_t kSaturatedLevel = 254;
-
 bool IsPlainBytes(const Image& image) {
   return image.type() == PixelType::kUint8 && image.channels() == 1 &&
          image.encoding() == ColorEncoding::kSrgb;

@@ -13,6 +13,7 @@ namespace lfm {
 /// Linear value at and above which an integer picture may be clipped: sRGB level 253.2, so 254 and
 /// 255.
 inline constexpr float kSaturatedLinear = 0.985F;
+inline constexpr uint8_t kSaturatedLevel = 254;
 
 /// The luminance of one frame: bytes (sRGB-coded) for an 8-bit picture of one channel, else linear
 /// float. Points into the picture where it can.

@@ -14,13 +14,14 @@ namespace {
 
 using kernels::GrayInterval;
 using kernels::GrayNoise;
+using kernels::GrayPlaces;
 using kernels::GrayPlacing;
 using kernels::GrayPlanes;
 using kernels::GrayReading;
 using kernels::kGrayBlock;
 using kernels::kGrayIntervals;
 
-constexpr size_t kSampleBlocks = 48;
+constexpr size_t kSampleBlocks = 32;
 constexpr size_t kNoiseStride = 16;
 // (o + f) / direct light is 2 / w for a pixel that averages over w cells: above this, w < 2.2.
 constexpr double kLeastMeanStrength = 0.9;
@@ -96,17 +97,22 @@ AxisPlanes<float> FloatPlanes(const FramePlanes& planes, const AxisFrames& frame
   return out;
 }
 
-float LinearValue(uint8_t level) { return LinearOfLevels()[level]; }
-float LinearValue(float value) { return value; }
+/// Bytes by the table of levels, floats as they are.
+struct LinearValue {
+  const float* levels = LinearOfLevels();
+  float operator()(uint8_t level) const { return levels[level]; }
+  float operator()(float value) const { return value; }
+};
 
 /// Pattern + inverse is the same for all bits but for noise.
 template <typename T>
 NoiseSample PairNoise(const AxisPlanes<T>& planes, size_t p) {
   const double bits = static_cast<double>(planes.pattern.size());
+  const LinearValue linear;
   double sum = 0, squares = 0;
-  const double center = LinearValue(planes.pattern[0][p]) + LinearValue(planes.inverse[0][p]);
+  const double center = linear(planes.pattern[0][p]) + linear(planes.inverse[0][p]);
   for (size_t i = 0; i < planes.pattern.size(); ++i) {
-    const double v = LinearValue(planes.pattern[i][p]) + LinearValue(planes.inverse[i][p]) - center;
+    const double v = linear(planes.pattern[i][p]) + linear(planes.inverse[i][p]) - center;
     sum += v;
     squares += v * v;
   }
@@ -120,12 +126,13 @@ template <typename T>
 NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   std::array<float, 32> squares{};
   size_t count = 0;
-  const float white = LinearValue(planes.white[p]), black = LinearValue(planes.black[p]);
+  const LinearValue linear;
+  const float white = linear(planes.white[p]), black = linear(planes.black[p]);
   const bool bright = (p / kNoiseStride) % 2 == 0;
   const float level = bright ? white : black;
   // Most pixels see an edge of the finest bits.
   for (size_t i = planes.pattern.size() > 4 ? 2 : 0; i < planes.pattern.size(); ++i) {
-    const float v = LinearValue(planes.pattern[i][p]);
+    const float v = linear(planes.pattern[i][p]);
     if ((2 * v > white + black) == bright) squares[count++] = (v - level) * (v - level) / 2;
   }
   if (count == 0) return {level, NAN};
@@ -133,21 +140,35 @@ NoiseSample LitNoise(const AxisPlanes<T>& planes, size_t p) {
   return {level, squares[count / 2]};
 }
 
-/// Blocks that stand for all, evenly spread.
+/// Blocks that stand for all: evenly spread pairs, since far places of forty frames are slow to
+/// come.
 std::vector<size_t> SampleBlocks(size_t pixels) {
   const size_t blocks = (pixels + kGrayBlock - 1) / kGrayBlock;
-  const size_t count = std::min(blocks, kSampleBlocks);
   std::vector<size_t> begins;
-  for (size_t i = 0; i < count; ++i)
-    begins.push_back((2 * i + 1) * blocks / (2 * count) * kGrayBlock);
+  for (size_t i = 0; i < std::min(blocks, kSampleBlocks); ++i) {
+    const size_t pair = (2 * (i / 2) + 1) * blocks / kSampleBlocks;
+    begins.push_back((blocks > kSampleBlocks ? pair + i % 2 : i) * kGrayBlock);
+  }
   return begins;
+}
+
+/// Lets a block's pixels come while another is looked at.
+template <typename T>
+void Fetch(const AxisPlanes<T>& planes, size_t begin, size_t pixels) {
+  const size_t end = std::min(begin + kGrayBlock, pixels);
+  for (size_t p = begin; p < end; p += 64 / sizeof(T)) {
+    for (const T* frame : planes.pattern) __builtin_prefetch(frame + p);
+    for (const T* frame : planes.inverse) __builtin_prefetch(frame + p);
+  }
 }
 
 template <typename T>
 GrayNoise EstimateNoise(const AxisPlanes<T>& planes, const std::vector<uint8_t>& usable) {
   std::vector<NoiseSample> samples;
-  for (size_t begin : SampleBlocks(usable.size())) {
-    const size_t end = std::min(begin + kGrayBlock, usable.size());
+  const std::vector<size_t> begins = SampleBlocks(usable.size());
+  for (size_t i = 0; i < begins.size(); ++i) {
+    if (i + 1 < begins.size()) Fetch(planes, begins[i + 1], usable.size());
+    const size_t begin = begins[i], end = std::min(begin + kGrayBlock, usable.size());
     for (size_t p = begin; p < end; p += kNoiseStride) {
       if (!usable[p]) continue;
       samples.push_back(planes.measured_inverses ? PairNoise(planes, p) : LitNoise(planes, p));
@@ -178,12 +199,13 @@ CellStatistics SampleCells(const AxisPlanes<T>& planes, int left_out, const Gray
     kernels::ReadGray(planes.Kernel(left_out), noise, &light.contrast[begin],
                       static_cast<long>(begin), static_cast<int>(count), reading);
     for (size_t i = 0; i < count; ++i) {
-      const bool good = light.usable[begin + i] && reading.weakest[i] >= placing.min_weakest &&
-                        reading.direct[i] >= placing.min_direct && reading.strength[i] > 0;
+      const bool good = light.usable[begin + i] && reading.fit[i] && reading.strength[i] > 0 &&
+                        reading.weakest[i] >= placing.min_weakest &&
+                        reading.direct[i] >= placing.min_direct;
       if (!good) continue;
-      const double at = 0.5 * kGrayIntervals * (std::clamp(reading.balance[i], -1.0F, 1.0F) + 1.0);
-      const size_t interval = std::min<size_t>(kGrayIntervals - 1, static_cast<size_t>(at));
-      statistics.histogram[interval] += 1;
+      const float at = 0.5F * kGrayIntervals * (std::clamp(reading.balance[i], -1.0F, 1.0F) + 1);
+      const int interval = std::min(kGrayIntervals - 1, static_cast<int>(at));
+      statistics.histogram[static_cast<size_t>(interval)] += 1;
       statistics.pixels += 1;
       statistics.mean_strength += std::min(reading.strength[i] / reading.direct[i], 2.0F);
     }
@@ -201,13 +223,14 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
               (statistics.pixels + kPriorPixels);
   }
   double before = 0, widest = 0;
+  GrayInterval intervals[kGrayIntervals];
   for (size_t i = 0; i < mass.size(); ++i) {
     const double left = mass[i == 0 ? 1 : i - 1];
     const double right = mass[i + 1 == mass.size() ? i - 1 : i + 1];
     // What exceeds the neighbours twice over is a place without an edge: all its pixels alike.
     const double even = std::min(mass[i], left + right);
     const double alike = mass[i] - even;
-    GrayInterval& interval = placing.intervals[i];
+    GrayInterval& interval = intervals[i];
     interval.place = static_cast<float>(before + alike / 2);
     interval.slope = static_cast<float>(even / kWidth);
     // The shares themselves are counted; even phases count far better than chance.
@@ -215,28 +238,45 @@ double EqualizePlaces(const CellStatistics& statistics, GrayPlacing& placing) {
     before += mass[i];
     widest = std::max(widest, alike);
   }
+  kernels::SetIntervals(intervals, placing);
   return widest;
 }
 
-/// Appends block by block, so that memory is written once.
+/// Appends block by block and rejects islands as rows become whole, so that memory is written once.
 template <typename T>
 void PlaceAll(const AxisPlanes<T>& planes, int left_out, const GrayNoise& noise,
-              const PixelLight& light, const GrayPlacing& placing, AxisCoordinates& out) {
+              const PixelLight& light, const GrayPlacing& placing, int width,
+              AxisCoordinates& out) {
   const size_t pixels = light.usable.size();
   out.position.reserve(pixels);
   out.sigma.reserve(pixels);
   out.confidence.reserve(pixels);
-  GrayReading reading;
-  std::array<float, kGrayBlock> position, sigma, confidence;
+  const long height = static_cast<long>(pixels) / width;
+  const kernels::GrayRaster raster{width, height, out.position.data(), out.sigma.data(),
+                                   out.confidence.data()};
+  const float reach = std::max<float>(kMaxStepPx, 2 * placing.cell_px);
+  std::vector<int32_t> kept(2 * static_cast<size_t>(width));
+  long compared = 0;
+  GrayPlaces places;
   for (size_t begin = 0; begin < pixels; begin += kGrayBlock) {
     const size_t count = std::min<size_t>(kGrayBlock, pixels - begin);
-    kernels::ReadGray(planes.Kernel(left_out), noise, &light.contrast[begin],
-                      static_cast<long>(begin), static_cast<int>(count), reading);
-    kernels::PlaceGray(reading, placing, &light.usable[begin], static_cast<int>(count),
-                       position.data(), sigma.data(), confidence.data());
-    out.position.insert(out.position.end(), position.begin(), position.begin() + count);
-    out.sigma.insert(out.sigma.end(), sigma.begin(), sigma.begin() + count);
-    out.confidence.insert(out.confidence.end(), confidence.begin(), confidence.begin() + count);
+    // What will be written comes while it is computed.
+    for (size_t i = begin; i < begin + count; i += 64 / sizeof(float)) {
+      __builtin_prefetch(raster.position + i, 1);
+      __builtin_prefetch(raster.sigma + i, 1);
+      __builtin_prefetch(raster.confidence + i, 1);
+    }
+    kernels::DecodeGray(planes.Kernel(left_out), noise, placing, &light.contrast[begin],
+                        &light.usable[begin], static_cast<long>(begin), static_cast<int>(count),
+                        places);
+    out.position.insert(out.position.end(), places.position, places.position + count);
+    out.sigma.insert(out.sigma.end(), places.sigma, places.sigma + count);
+    out.confidence.insert(out.confidence.end(), places.confidence, places.confidence + count);
+    // A row is compared once the next is there, too.
+    const long rows = static_cast<long>(begin + count) / width;
+    const long comparable = rows == height ? height + 1 : std::max(compared, rows - 1);
+    kernels::RejectIslands(raster, compared, comparable, reach, kept.data());
+    compared = comparable;
   }
 }
 
@@ -262,11 +302,7 @@ AxisCoordinates DecodePlanes(const FramePlanes& planes, const AxisPlanes<T>& axi
   placing.cell_px = static_cast<float>(frames.CellPx() << left_out);
   const double widest = EqualizePlaces(statistics, placing);
 
-  PlaceAll(axis_planes, left_out, noise, light, placing, out);
-  std::vector<uint32_t> scratch(2 * static_cast<size_t>(planes.width()));
-  kernels::RejectIslands(planes.width(), planes.height(),
-                         std::max<float>(kMaxStepPx, 2 * placing.cell_px), scratch.data(),
-                         out.position.data(), out.sigma.data(), out.confidence.data());
+  PlaceAll(axis_planes, left_out, noise, light, placing, planes.width(), out);
   if (widest > kWidePart) {
     InterpolateBetweenEdges(planes.width(), planes.height(), placing.cell_px, axis, out);
   }

@@ -4,12 +4,13 @@
 #include <cstdint>
 
 /// The hot loops of Gray decoding, compiled for several instruction sets and dispatched at run
-/// time. Plain pointers only. Every pixel is computed by the same operations in the same order
-/// whatever the instruction set: results are the same on every machine.
+/// time. Plain pointers only, since what is shared must not be compiled for one of them. Every
+/// pixel is computed by the same operations in the same order whatever the instruction set: results
+/// are the same on every machine.
 namespace lfm::kernels {
 
 constexpr int kGrayBlock = 256;     ///< pixels that one call handles at most
-constexpr int kGrayIntervals = 33;  ///< odd: cells that no edge cuts have one of their own
+constexpr int kGrayIntervals = 15;  ///< odd: cells that no edge cuts have one of their own
 
 /// Frames of one axis, the finest bit first. T is uint8_t (sRGB-coded) or float (linear).
 template <typename T>
@@ -37,7 +38,8 @@ struct GrayReading {
   uint16_t cell[kGrayBlock];
   float balance[kGrayBlock];   ///< (o - f) / (o + f): 1 on the finest bit's edge, -1 on the other's
   float variance[kGrayBlock];  ///< of `balance`
-  float strength[kGrayBlock];  ///< (o + f) / (white - black); 0 where what it is made of is clipped
+  float strength[kGrayBlock];  ///< (o + f) / (white - black)
+  uint8_t fit[kGrayBlock];     ///< not 0 where none of what these are made of is clipped
   float weakest[kGrayBlock];   ///< least difference of all other bits / (white - black)
   /// Largest difference of three bits with narrow stripes / (white - black). Light that wandered
   /// between surfaces has seen both the bright and the dark stripes, so this is the share of light
@@ -53,30 +55,90 @@ struct GrayInterval {
 
 /// From a reading to projector coordinates; the intervals divide [-1, 1] evenly.
 struct GrayPlacing {
-  GrayInterval intervals[kGrayIntervals];
   int size;       ///< projector pixels
   float cell_px;  ///< projector pixels a cell
   float min_weakest, min_strength, min_direct;
+
+  /// The intervals as they are looked up: offset + slope balance is the place from the cell's
+  /// middle, projector pixels. The last is there twice, since 1 belongs to it.
+  alignas(32) float offset[kGrayIntervals + 1], slope[kGrayIntervals + 1];
+  alignas(32) float spread[kGrayIntervals + 1];
 };
+
+/// Sets the intervals of a placing whose cell_px is set.
+void SetIntervals(const GrayInterval (&intervals)[kGrayIntervals], GrayPlacing& placing);
+
+/// The position of a pixel that DecodeGray does not know.
+constexpr float kNowhere = -1e9F;
+
+/// Position, its standard deviation and confidence of a block; kNowhere, 0 and 0 where `usable` is
+/// 0 or the reading is too weak.
+struct GrayPlaces {
+  float position[kGrayBlock], sigma[kGrayBlock], confidence[kGrayBlock];
+};
+
+/// Light of a block.
+struct GrayLight {
+  float white[kGrayBlock], contrast[kGrayBlock];  ///< linear
+  uint8_t usable[kGrayBlock];                     ///< 1 where lit and not clipped
+};
+
+/// A picture of places.
+struct GrayRaster {
+  long width, height;
+  float *position, *sigma, *confidence;
+};
+
+/// The loops as compiled for one instruction set. Arrays of a block are read in whole vectors.
+struct GrayKernels {
+  template <typename T>
+  using Read = void(const GrayPlanes<T>&, const GrayNoise&, const float* contrast, long begin,
+                    int count, GrayReading&);
+  template <typename T>
+  using Decode = void(const GrayPlanes<T>&, const GrayNoise&, const GrayPlacing&,
+                      const float* contrast, const uint8_t* usable, long begin, int count,
+                      GrayPlaces&);
+  Read<uint8_t>* read_bytes;
+  Read<float>* read_floats;
+  Decode<uint8_t>* decode_bytes;
+  Decode<float>* decode_floats;
+  void (*light)(const float* linear_of_level, const uint8_t* lit, const uint8_t* dark,
+                float min_contrast, int count, GrayLight&);
+  void (*reject)(const GrayRaster&, long begin, long end, float reach, int32_t* kept);
+};
+
+/// Those that this processor runs, the fastest first; nullptr beyond the last.
+const GrayKernels* GrayKernelsHere(int i);
 
 /// Reads `count` pixels from `begin`. `contrast` is white - black, linear, of these pixels.
 void ReadGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise, const float* contrast,
-              long begin, int count, GrayReading& reading);
+              long begin, int count, GrayReading& reading,
+              const GrayKernels& kernels = *GrayKernelsHere(0));
 void ReadGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const float* contrast,
-              long begin, int count, GrayReading& reading);
+              long begin, int count, GrayReading& reading,
+              const GrayKernels& kernels = *GrayKernelsHere(0));
 
-/// The position of a pixel that PlaceGray does not know.
-constexpr float kNowhere = -1e9F;
+/// Reads and places them; `contrast` and `usable` are of these pixels.
+void DecodeGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise,
+                const GrayPlacing& placing, const float* contrast, const uint8_t* usable,
+                long begin, int count, GrayPlaces& places,
+                const GrayKernels& kernels = *GrayKernelsHere(0));
+void DecodeGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const GrayPlacing& placing,
+                const float* contrast, const uint8_t* usable, long begin, int count,
+                GrayPlaces& places, const GrayKernels& kernels = *GrayKernelsHere(0));
 
-/// Position, its standard deviation and confidence of the `count` pixels of a reading; kNowhere, 0
-/// and 0 where `usable` is 0 or the reading is too weak.
-void PlaceGray(const GrayReading& reading, const GrayPlacing& placing, const uint8_t* usable,
-               int count, float* position, float* sigma, float* confidence);
+/// Light of `count` pixels by the bytes of the lit and the dark frame. `linear_of_level` has the
+/// 256 linear values.
+void ReadGrayLight(const float* linear_of_level, const uint8_t* lit, const uint8_t* dark,
+                   float min_contrast, int count, GrayLight& light,
+                   const GrayKernels& kernels = *GrayKernelsHere(0));
 
 /// Clears to 0 what is nowhere, and every pixel none of whose four neighbours lies within `reach`
-/// projector pixels of it: a flipped bit moves one pixel, a surface has neighbours. `kept` is
-/// scratch of two rows.
-void RejectIslands(long width, long height, float reach, uint32_t* kept, float* position,
-                   float* sigma, float* confidence);
+/// projector pixels of it: a flipped bit moves one pixel, a surface has neighbours. Compares rows
+/// `begin` to `end` - 1 with the rows beside them, which must not have been cleared, and clears the
+/// rows one before each; so a picture takes all of [0, height + 1), in order, in one call or in
+/// many as its rows come. `kept` is scratch of two rows.
+void RejectIslands(const GrayRaster& raster, long begin, long end, float reach, int32_t* kept,
+                   const GrayKernels& kernels = *GrayKernelsHere(0));
 
 }  // namespace lfm::kernels
