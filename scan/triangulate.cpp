@@ -18,7 +18,7 @@ constexpr int kRadius = 2;
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kMinConnected = 6;
 // Steeper steps from pixel to pixel are taken for depth edges.
-constexpr double kSteepestDeg = 86;
+constexpr double kSteepestDeg = 87;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
 constexpr double kSmallestSigmaMm = 1e-4;

@@ -127,16 +127,6 @@ TEST(Reconstruction, HoleInTheDataIsClosedWithoutConfidence) {
   EXPECT_GT(inside, 10);  // the octree is coarse where there is no data
 }
 
-TEST(Reconstruction, WhatOnlyDoubtfulPointsShowIsFollowed) {
-  const TriangleMesh truth = test::MakeTorus(30, 10, 10, 120, 60);
-  PointCloud cloud = test::MeasureCloud(truth, 60000);
-  // The inside of the ring, as seen at grazing angles only.
-  for (size_t i = 0; i < cloud.points.size(); ++i) {
-    if (cloud.points[i].head<2>().norm() < 25) cloud.confidence[i] = 0.03F;
-  }
-  ExpectNear(Reconstruct(cloud), truth, 4, 0.04, 0.12);
-}
-
 TEST(Reconstruction, FinerDepthFinerMesh) {
   const PointCloud cloud = test::MeasureCloud(test::MakeSphere(30, 5, {0, 0, 30}), 60000);
   const size_t coarse = Reconstruct(cloud, 5).triangles.size();
