@@ -19,6 +19,8 @@ namespace {
 
 constexpr int kFewestPoints = 100;
 constexpr double kSmallestPiece = 0.03;
+// What faces sideways is not the platform: a third of the margin is enough.
+constexpr double kWallCosine = 0.5, kWallMargin = 1.0 / 3;
 // Standard deviation across a plane, relative to the extent along it, below which a cloud is flat:
 // a scan's noise over an object's size is ten times less, a sheet of cardboard ten times more.
 constexpr double kFlat = 0.003;
@@ -139,7 +141,9 @@ CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
   std::vector<char> keep(cloud.points.size(), 1);
   for (size_t i = 0; i < keep.size(); ++i) {
     const double length = cloud.normals[i].norm();
-    const bool on_platform = cloud.points[i].z() < limits.platform_margin_mm;
+    const bool wall = cloud.normals[i].z() < kWallCosine * length;
+    const double margin_mm = (wall ? kWallMargin : 1) * limits.platform_margin_mm;
+    const bool on_platform = cloud.points[i].z() < margin_mm;
     const bool outside =
         (cloud.points[i] - limits.center).norm() > limits.max_distance_mm || !(length > 1e-9);
     clean.platform += on_platform;

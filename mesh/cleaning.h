@@ -10,7 +10,9 @@
 namespace lfm {
 
 struct CleaningLimits {
-  double platform_margin_mm = 0.6;  ///< points with z below this belong to the platform
+  /// Points with z below this belong to the platform; below a third of it those that face sideways
+  /// (more than 60 degrees from straight up), as a wall's foot does.
+  double platform_margin_mm = 0.6;
   /// Points farther than this from `center` are not on the platform (a wall, a hand).
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double max_distance_mm = std::numeric_limits<double>::infinity();

@@ -13,12 +13,14 @@
 namespace lfm {
 namespace {
 
-constexpr int kPasses = 2;
+constexpr int kPasses = 3;
 constexpr int kNeighbors = 40;
 constexpr double kReachInSigmas = 2.5, kLargestResidualInSigmas = 2;
 constexpr double kLikeNormalCosine = 0.3;
 // Weight of staying, in points of full confidence.
-constexpr double kInertia = 0.2;
+constexpr double kInertia = 0.05;
+// Horizontal part of the normal, from which a vertex on the platform is the end of a wall.
+constexpr double kWallShare = 0.3;
 
 constexpr float kNoResidual = std::numeric_limits<float>::quiet_NaN();
 
@@ -38,6 +40,19 @@ std::vector<float> Residuals(const TriangleMesh& mesh, const PointCloud& points,
   return residuals;
 }
 
+// Where vertices may move: along the normal; on the platform, where walls end, sideways.
+std::vector<Eigen::Vector3d> Directions(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> directions = ComputeVertexNormals(mesh);
+  for (size_t v = 0; v < directions.size(); ++v) {
+    if (mesh.vertices[v].z() > 0) continue;
+    directions[v].z() = 0;
+    const double length = directions[v].norm();
+    directions[v] = length > kWallShare ? Eigen::Vector3d(directions[v] / length)
+                                        : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
+  return directions;
+}
+
 }  // namespace
 
 TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, double sigma_mm) {
@@ -47,12 +62,12 @@ TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, dou
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<float> residuals =
         Residuals(fitted, points, kLargestResidualInSigmas * sigma_mm);
-    const std::vector<Eigen::Vector3d> normals = ComputeVertexNormals(fitted);
+    const std::vector<Eigen::Vector3d> normals = Directions(fitted);
     Eigen::VectorXd moves = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(normals.size()));
     ParallelFor(
         0, moves.size(),
         [&](int64_t v) {
-          if (fitted.vertices[v].z() <= 0) return;
+          if (normals[v].isZero()) return;
           double sum = 0, weights = kInertia;
           for (const NearPoint& near : index.Find(fitted.vertices[v], kNeighbors)) {
             if (near.distance > kReachInSigmas * sigma_mm) break;
@@ -61,7 +76,7 @@ TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, dou
             if (points.normals[near.index].dot(normals[v]) < kLikeNormalCosine) continue;
             const double in_sigmas = near.distance / sigma_mm;
             const double weight =
-                points.confidence[near.index] * std::exp(-0.5 * in_sigmas * in_sigmas);
+                std::sqrt(points.confidence[near.index]) * std::exp(-0.5 * in_sigmas * in_sigmas);
             weights += weight;
             sum += weight * residual;
           }

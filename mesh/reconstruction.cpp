@@ -36,7 +36,6 @@ constexpr double kReachInSpacings = 3;
 constexpr double kLikeNormalCosine = 0.2;
 // What continues the object unseen counts less than what was measured.
 constexpr double kContinuationWeight = 0.25;
-constexpr double kLeastWeight = 0.1;
 // Nearer to measured points than this, what was seen through is noise of the points.
 constexpr double kClearanceInCells = 1.5;
 constexpr double kWrapOffsetInCells = 0.5;
@@ -53,12 +52,11 @@ double CellSize(const PointCloud& object, const PoissonSettings& settings) {
   return settings.cube_scale * (high - low).maxCoeff() / std::exp2(settings.depth);
 }
 
-// Poisson reads a point's weight from the length of its normal.
+// Poisson reads a point's weight from the length of its normal. Measured points, the mean of a cube
+// each, have one weight: where only doubtful points lie nothing better competes with them, and
+// weighed by their confidence they lose to the smoothness of what lies round them.
 PointCloud WeighAndJoin(const PointCloud& measured, const PointCloud& continuation) {
   PointCloud joined = measured;
-  for (size_t i = 0; i < joined.points.size(); ++i) {
-    joined.normals[i] *= std::max<double>(kLeastWeight, measured.confidence[i]);
-  }
   for (size_t i = 0; i < continuation.points.size(); ++i) {
     joined.points.push_back(continuation.points[i]);
     joined.normals.push_back(kContinuationWeight * continuation.normals[i]);

@@ -25,6 +25,19 @@ bool SeenThrough(const RangeMap& map, int x, int y, double depth, double clear_m
   return true;
 }
 
+bool NeighbourAgrees(const RangeMap& map, const std::vector<Eigen::Vector2d>& rays, int x, int y,
+                     const Eigen::Vector3d& point, double agree_mm) {
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const size_t q = static_cast<size_t>(y + dy) * map.width + x + dx;
+      if (map.depth[q] <= 0) continue;
+      const Eigen::Vector3d there = map.depth[q] * rays[q].homogeneous();
+      if (std::abs(map.normal[q].cast<double>().dot(point - there)) <= agree_mm) return true;
+    }
+  }
+  return false;
+}
+
 Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen::Vector2d>& rays,
           const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world,
           const ConsensusOptions& options) {
@@ -41,6 +54,8 @@ Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen
   const Eigen::Vector3d normal = map.normal[q].cast<double>();
   const double distance = normal.dot(point - there);
   if (std::abs(distance) <= options.agree_mm) return map.confidence[q];
+  // The pixel beside it may show what this one is too coarse for: a crease, a slope.
+  if (NeighbourAgrees(map, rays, x, y, point, options.agree_mm)) return 0;
   const bool same_side = normal.dot(other.camera_from_world.rotation * normal_in_world) > 0.5;
   if (same_side && std::abs(distance) <= options.contradict_mm) return -map.confidence[q];
   return SeenThrough(map, x, y, point.z(), options.clear_mm) ? -map.confidence[q] : 0;

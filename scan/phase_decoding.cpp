@@ -20,6 +20,12 @@ constexpr float kLikelihoodPerBit = 23;
 // A residual this many times the noise happens once in 10 000 pixels.
 constexpr double kUnlikelyResidual = 15;
 constexpr double kLeastSigmaPx = 1e-4;
+// Sigma says what little modulation costs a fringe: it bears half of what edges need.
+constexpr double kModulationOfFringes = 0.5;
+
+double LeastModulation(const DecodeOptions& options) {
+  return kModulationOfFringes * options.min_modulation;
+}
 
 /// Linear values of a block's frames and which pixels are at their ceiling.
 struct Block {
@@ -177,7 +183,7 @@ class PixelDecoder {
     const PhaseFits& fits = block.periods.front();
     const double amplitude = std::hypot(fits.cosine[i], fits.sine[i]);
     const double modulation = 2 * amplitude / light_.contrast[p];
-    if (!(modulation >= options_.min_modulation) || !std::isfinite(modulation)) return;
+    if (!(modulation >= LeastModulation(options_)) || !std::isfinite(modulation)) return;
     const std::optional<ChosenPeriod> chosen = Choose(block, i);
     if (!chosen || !(chosen->margin >= options_.min_margin * kLikelihoodPerBit)) return;
     const double period = frames_.phases.front().period_px;
@@ -232,7 +238,7 @@ class PixelDecoder {
 AxisCoordinates DecodePhaseAxis(const FramePlanes& planes, const AxisFrames& frames,
                                 const PixelLight& light, const DecodeOptions& options) {
   const BlockReader reader(planes, frames, light);
-  const FrameFacts facts = LearnFacts(reader, frames, light, options.min_modulation);
+  const FrameFacts facts = LearnFacts(reader, frames, light, LeastModulation(options));
   AxisCoordinates out;
   out.position.assign(planes.pixels(), 0);
   out.sigma.assign(planes.pixels(), 0);

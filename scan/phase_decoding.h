@@ -18,7 +18,9 @@ namespace lfm {
 /// one, else the residual of the fit beyond three harmonics, else the differences of the periods'
 /// means. A fringe a few millimetres wide sees most interreflections as constant light (Nayar et
 /// al. 2006): 2 A / (white - black) is the share of light that came straight, and pixels below
-/// `min_modulation` are rejected; so are those whose best period leads by less than `min_margin`.
+/// half of `min_modulation` are rejected: where light and camera graze a surface little comes
+/// straight, the phase is still right, and its sigma says how well; so are those whose best period
+/// leads by less than `min_margin`.
 AxisCoordinates DecodePhaseAxis(const FramePlanes& planes, const AxisFrames& frames,
                                 const PixelLight& light, const DecodeOptions& options);
 

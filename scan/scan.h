@@ -86,9 +86,9 @@ struct ScanResult {
 
 struct ScanOptions {
   double min_contrast = 0.03;
-  double min_confidence = 0.2;
+  double min_confidence = 0.03;
   double max_ray_gap_mm = 0.5;
-  double max_grazing_deg = 80;
+  double max_grazing_deg = 88;
   std::string rig;  ///< read by the commands (`KnownRigOf`), not by Scan
   TurntableUse turntable = TurntableUse::kAuto;
   RegistrationUse registration = RegistrationUse::kAuto;

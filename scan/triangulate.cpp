@@ -17,6 +17,8 @@ constexpr int kLensIterations = 50;
 constexpr int kRadius = 2;
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kMinConnected = 6;
+// Steeper steps from pixel to pixel are taken for depth edges.
+constexpr double kSteepestDeg = 87;
 constexpr int kMinFit = 6;
 constexpr int kReweightings = 3;
 constexpr double kSmallestSigmaMm = 1e-4;
@@ -70,7 +72,7 @@ class Neighbourhood {
   Neighbourhood(const std::vector<Eigen::Vector2d>& rays, const std::vector<double>& depth,
                 int width, int height, const ScanOptions& options)
       : rays_(rays), depth_(depth), width_(width), height_(height), options_(options) {
-    steepest_ = std::tan(Radians(std::min(options.max_grazing_deg, 89.0)));
+    steepest_ = std::tan(Radians(std::min(options.max_grazing_deg, kSteepestDeg)));
   }
 
   /// The two depths may belong to one surface seen at no more than the grazing limit.
@@ -131,7 +133,7 @@ struct PixelVerdict {
   Eigen::Vector3f normal = {0, 0, 0};
   float confidence = 0;
   double seen = 0;      ///< cosine between normal and line of sight
-  double rough_mm = 0;  ///< RMS of the neighbourhood about its plane, across it
+  double rough_mm = 0;  ///< RMS of the neighbourhood about its plane, or the pixel's own distance
 };
 
 PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2d& ray,
@@ -156,7 +158,7 @@ PixelVerdict Judge(const Eigen::Vector3d& projector_center, const Eigen::Vector2
   const double confidence = decoding * std::sqrt(std::min(seen, lit)) / (1 + expected * expected);
   if (!(confidence >= options.min_confidence)) return verdict;
   verdict.seen = seen;
-  verdict.rough_mm = rough;
+  verdict.rough_mm = std::max(rough, gap);
   verdict.normal = normal.cast<float>();
   verdict.confidence = static_cast<float>(std::min(1.0, confidence));
   return verdict;

@@ -32,9 +32,10 @@ struct RangeMap {
   std::vector<double> depth;            ///< Z, mm; 0 = nothing (left)
   std::vector<Eigen::Vector3f> normal;  ///< unit, towards the scanner
   std::vector<float> confidence;        ///< [0, 1]
-  /// Standard deviation across the surface, mm, from decoding (or the neighbourhood's roughness,
-  /// where that is more) and from what is not known of the projector; 0 where nothing is measured.
-  /// What is not known of the scan's pose is not in it.
+  /// Standard deviation across the surface, mm, from decoding (or the neighbourhood's roughness or
+  /// the pixel's own distance from what its neighbours say, where those are more) and from what is
+  /// not known of the projector; 0 where nothing is measured. What is not known of the scan's pose
+  /// is not in it.
   std::vector<float> sigma_mm;
 };
 

@@ -11,9 +11,13 @@ namespace {
 
 // Nearer to the plate than this, a point is the plate's: paper and ink scatter by about half of it.
 constexpr double kPlateMm = 0.4;
+// What faces sideways is not the plate: there it only has to be above the corner between them.
+constexpr double kWallMm = 0.2, kWallCosine = 0.5;
 
-bool StandsOnPlate(const Eigen::Vector3d& point, const Board& board) {
-  return point.z() >= kPlateMm && std::abs(point.x()) <= board.width_mm / 2 &&
+bool StandsOnPlate(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                   const Board& board) {
+  const double least = normal.z() < kWallCosine ? kWallMm : kPlateMm;
+  return point.z() >= least && std::abs(point.x()) <= board.width_mm / 2 &&
          std::abs(point.y()) <= board.height_mm / 2;
 }
 
@@ -27,13 +31,14 @@ PointCloud CloudFromRange(const PosedRange& scan, const Eigen::Matrix<double, 6,
     if (scan.map.depth[p] <= 0) continue;
     const Eigen::Vector3d in_camera = scan.map.depth[p] * rays[p].homogeneous();
     const Eigen::Vector3d point = world_from_camera * in_camera;
-    if (!StandsOnPlate(point, board)) continue;
     const Eigen::Vector3d normal = scan.map.normal[p].cast<double>();
+    const Eigen::Vector3d in_world = world_from_camera.rotation * normal;
+    if (!StandsOnPlate(point, in_world, board)) continue;
     const double pose_mm2 =
         PoseVarianceMm2(covariance, in_camera - scan.camera_from_world.translation, normal);
     const double own_mm = scan.map.sigma_mm[p];
     cloud.points.push_back(point);
-    cloud.normals.push_back(world_from_camera.rotation * normal);
+    cloud.normals.push_back(in_world);
     cloud.confidence.push_back(scan.map.confidence[p]);
     cloud.sigma_mm.push_back(static_cast<float>(std::sqrt(own_mm * own_mm + pose_mm2)));
   }

@@ -37,6 +37,22 @@ TEST(Cleaning, KeepsTheObjectAndDropsTheRest) {
   EXPECT_LE(far, 10);  // of 300; some lie close to the surface
 }
 
+TEST(Cleaning, AWallsFootIsNotThePlatform) {
+  PointCloud cloud = SphereCloud();
+  const size_t object = cloud.points.size();
+  for (const double height_mm : {0.1, 0.3}) {
+    for (const Eigen::Vector3d& normal : {Eigen::Vector3d(0.8, 0, 0.6), Eigen::Vector3d(1, 0, 0)}) {
+      cloud.points.emplace_back(5, 0, height_mm);
+      cloud.normals.push_back(normal);
+      cloud.confidence.push_back(1);
+    }
+  }
+  const CleanCloud alone = CleanPoints(SphereCloud(), {});
+  const CleanCloud clean = CleanPoints(cloud, {});
+  EXPECT_EQ(clean.platform, alone.platform + 3);  // what faces up, and what is too low
+  EXPECT_EQ(cloud.points.size(), object + 4);
+}
+
 TEST(Cleaning, DropsASmallPieceKeepsALargeOne) {
   PointCloud cloud = SphereCloud();
   const Eigen::Vector3d crumb_center(60, 0, 20), ball_center(0, 70, 20);

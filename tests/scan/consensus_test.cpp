@@ -65,6 +65,19 @@ TEST(Consensus, OthersSeeThroughAFloatingPatchAndOutvoteAWrongSurface) {
   EXPECT_EQ(CountCleared(kept[0], 140, 80, 12), 0);
 }
 
+TEST(Consensus, SinglePixelsOfAnotherScanDoNotOutvoteWhatThoseBesideThemShow) {
+  const Camera camera = KnownRig(true).camera;
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
+  std::vector<PosedRange> scans = {PlateScan(camera, rays, 0), PlateScan(camera, rays, 45)};
+  for (int y = 60; y < 120; y += 2) {
+    for (int x = 80; x < 140; x += 2) Lift(scans[1], x, y, 1, 1.2);
+  }
+  // The first scan is hardly sure of anything: a voice against it would clear it.
+  scans[0].map.confidence.assign(rays.size(), 0.05F);
+  const auto kept = KeepConsensus(scans, camera, rays, {});
+  EXPECT_EQ(CountCleared(kept[0], 70, 50, 80), 0);
+}
+
 TEST(Consensus, WhatOnlyOneScanSawStaysAndSpecksGo) {
   const Camera camera = KnownRig(false).camera;
   const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);

@@ -161,6 +161,19 @@ TEST(PatternDecoding, LightThatWandersNeverMisplacesAPixel) {
   }
 }
 
+TEST(PatternDecoding, FringesAreReadWhereAFifthOfTheLightCameStraight) {
+  View view;  // as on a surface that light grazes, with bright ones about it
+  view.light = 0.12;
+  view.bounced = 4;
+  for (const Scheme scheme : {Scheme::kGrayPhase, Scheme::kMultiPhase}) {
+    const ColumnErrors errors = Errors(MakeSequence(scheme), view);
+    EXPECT_GT(errors.coverage, 0.9) << Name(scheme);
+    EXPECT_EQ(errors.wrong, 0) << Name(scheme);
+    EXPECT_LT(errors.rms, 0.3) << Name(scheme);
+    EXPECT_LT(errors.normalized, 2) << Name(scheme);
+  }
+}
+
 TEST(PatternDecoding, StepsFromThreeToSixteenAndPeriodsThatDoNotDivideTheWidth) {
   for (const int steps : {3, 4, 5, 16}) {
     for (const int width : {250, 1000}) {

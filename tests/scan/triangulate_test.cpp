@@ -146,6 +146,41 @@ TEST(Triangulate, NothingFloatsBetweenBallAndPlate) {
   EXPECT_GT(kept, 8000);
 }
 
+TEST(Triangulate, AWallThatBothEyesGrazeIsMeasured) {
+  const RigCalibration rig = KnownRig(false);
+  const Pose pose = TurnedPlatform(0);
+  const Eigen::Vector3d middle(0, 0, 40);
+  const Eigen::Vector3d to_camera = (pose.Center() - middle).normalized();
+  const Eigen::Vector3d baseline =
+      pose.Inverse().rotation * rig.projector_from_camera.Center().normalized();
+  // Turned away about the baseline, so that camera and projector see it at like angles.
+  const double angle = 83 * M_PI / 180;
+  const Eigen::Vector3d normal =
+      std::cos(angle) * to_camera + std::sin(angle) * to_camera.cross(baseline).normalized();
+  const Surface wall = [&](const Eigen::Vector3d& o,
+                           const Eigen::Vector3d& d) -> std::optional<SurfaceHit> {
+    SurfaceHit hit;
+    hit.distance = normal.dot(middle - o) / normal.dot(d);
+    if ((o + hit.distance * d - middle).norm() > 60) return std::nullopt;
+    return hit;
+  };
+  const DecodedPixels decoded = ExactColumns(rig, pose, wall);
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(rig.camera);
+  const RangeMap map = Triangulate(rig, rays, decoded, {});
+  int seen = 0, measured = 0;
+  for (size_t p = 0; p < rays.size(); ++p) {
+    if (decoded.column.confidence[p] <= 0) continue;
+    ++seen;
+    if (map.depth[p] <= 0) continue;
+    ++measured;
+    const Eigen::Vector3d point = pose.Inverse() * (map.depth[p] * rays[p].homogeneous());
+    EXPECT_NEAR(normal.dot(point - middle), 0, 0.01);
+    EXPECT_GT(map.sigma_mm[p], 0);
+  }
+  EXPECT_GT(seen, 300);
+  EXPECT_GT(measured, 0.7 * seen);
+}
+
 TEST(Triangulate, GrazingViewsAreDropped) {
   const RigCalibration rig = KnownRig(false);
   const Pose pose = TurnedPlatform(0);

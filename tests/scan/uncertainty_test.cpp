@@ -95,9 +95,18 @@ TEST(WorldCloud, JoinsScansInOrderAndAddsThePosesVariance) {
   };
   put(middle, 5);
   put(middle + 1, 0.3);  // the plate's
+  put(middle + 2, 0.1);  // the corner between plate and wall
+  put(middle + 3, 0.3);  // a wall's foot
+  for (size_t p : {middle + 2, middle + 3}) {
+    range.map.normal[p] = range.camera_from_world.rotation.col(0).cast<float>();
+  }
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   covariance.diagonal().tail<3>().setConstant(0.04 * 0.04);
-  const PointCloud cloud = CloudFromRange(range, covariance, rays, board);
+  PointCloud cloud = CloudFromRange(range, covariance, rays, board);
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_NEAR(cloud.points[1].z(), 0.3, 1e-9);
+  range.map.depth[middle + 3] = 0;
+  cloud = CloudFromRange(range, covariance, rays, board);
   ASSERT_EQ(cloud.points.size(), 1U);
   EXPECT_NEAR(cloud.points[0].z(), 5, 1e-9);
   EXPECT_NEAR(cloud.sigma_mm[0], 0.05, 1e-6);
