@@ -209,19 +209,25 @@ void CheckGray(const Image& gray) {
 
 constexpr std::array<double, 10> kBlursPx = {0, 0.25, 0.4, 0.55, 0.7, 0.9, 1.2, 1.7, 2.6, 4.0};
 
-// The vertex of the parabola over the blur's variance through the best of kBlursPx and its
-// neighbours: variances add, so errors grow with the square of what is wrong in them.
-double BlurOfLeastCost(const std::vector<double>& costs, size_t best) {
-  if (costs.size() < 3) return kBlursPx[best];
-  const size_t middle = std::clamp<size_t>(best, 1, costs.size() - 2);
-  const auto variance = [](size_t i) { return kBlursPx[i] * kBlursPx[i]; };
-  const double left = variance(middle - 1), here = variance(middle), right = variance(middle + 1);
-  const double slope_left = (costs[middle] - costs[middle - 1]) / (here - left);
-  const double slope_right = (costs[middle + 1] - costs[middle]) / (right - here);
-  const double curvature = (slope_right - slope_left) / (right - left);
-  if (!(curvature > 0)) return kBlursPx[best];
-  const double vertex = (left + here) / 2 - slope_left / (2 * curvature);
-  return std::sqrt(std::clamp(vertex, left, right));
+// The least of a function with one minimum, by golden section, to a fortieth of the interval.
+template <typename Function>
+double ArgMin(const Function& cost, double low, double high) {
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr int kSteps = 8;
+  double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+  double at_left = cost(left), at_right = cost(right);
+  for (int step = 0; step < kSteps; ++step) {
+    if (at_left <= at_right) {
+      high = right, right = left, at_right = at_left;
+      left = high - kGolden * (high - low);
+      at_left = cost(left);
+    } else {
+      low = left, left = right, at_left = at_right;
+      right = low + kGolden * (high - low);
+      at_right = cost(right);
+    }
+  }
+  return (low + high) / 2;
 }
 
 }  // namespace
@@ -258,9 +264,8 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
   constexpr size_t kMaxCorners = 20;
   constexpr double kCostOfNoFit = 1;
   const size_t count = std::min(kMaxCorners, observed.size());
-  std::vector<double> costs;
-  size_t best = 0;
-  for (const double blur : kBlursPx) {
+  if (count == 0) return 0;
+  const auto cost_of = [&](double blur) {
     const PixelFootprint footprint = MakePixelFootprint(blur, search.sampling);
     double cost = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -274,11 +279,19 @@ double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
       cost += fit ? std::min(kCostOfNoFit, fit->relative_residual * fit->relative_residual)
                   : kCostOfNoFit;
     }
-    costs.push_back(cost);
-    if (cost < costs[best]) best = costs.size() - 1;
+    return cost;
+  };
+  std::vector<double> costs;
+  size_t best = 0;
+  for (const double blur : kBlursPx) {
+    costs.push_back(cost_of(blur));
+    if (costs.back() < costs[best]) best = costs.size() - 1;
     if (costs.size() == best + 3) break;
   }
-  return observed.empty() ? 0 : BlurOfLeastCost(costs, best);
+  const size_t below = best > 0 ? best - 1 : 0, above = std::min(best + 1, kBlursPx.size() - 1);
+  const double found = ArgMin(cost_of, kBlursPx[below], kBlursPx[above]);
+  // A sharp picture's least is at the end.
+  return best == 0 && found < kBlursPx[1] / 20 ? 0 : found;
 }
 
 Image BlurGray(const Image& linear_gray, double sigma_px) {

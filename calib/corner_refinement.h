@@ -47,7 +47,7 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
                                            const Camera& camera, const Pose& camera_from_world,
                                            const CornerSearch& search);
 
-/// The blur (standard deviation, px, 0 to 4; interpolated between ten that are tried) under which
+/// The blur (standard deviation, px, 0 to 4; by golden section next to the best of ten) under which
 /// at most 20 corners, evenly chosen among `observed`, fit best; 0 when there are none.
 double EstimateBlur(const Image& linear_gray, const BoardPrint& print,
                     const std::vector<CornerPlace>& corners, const Camera& camera,

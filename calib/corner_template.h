@@ -23,9 +23,10 @@ struct PixelFootprint {
   double tail = 0;   ///< beyond this distance no light is left to speak of
 };
 
-/// How many places of a pixel are looked at: 34, or 144 where less than half a pixel of blur is
-/// left. Few points stand in line with a sharp edge; the steps in which they pass it look like
-/// blur, and double the error of a corner in a picture without noise.
+/// How many places of a pixel are looked at where the print is more than two crossing lines
+/// (PixelOfCross answers elsewhere): 34, or 144 where less than half a pixel of blur is left. Few
+/// points stand in line with a sharp edge; the steps in which they pass it look like blur, and
+/// double the error of a corner in a picture without noise.
 enum class PixelSampling { kCoarse, kFine };
 
 /// `blur_px`: standard deviation of the blur, >= 0. The offsets are a Fibonacci lattice pushed

@@ -2,9 +2,11 @@
 #include "calib/print_coverage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace lfm {
 namespace {
@@ -12,7 +14,7 @@ namespace {
 constexpr double kNoBlurPx = 1e-3;
 constexpr double kReachSigmas = 6;
 constexpr int kTable = 1024;
-constexpr int kPlaces = 24;
+constexpr int kPlaces = 20;
 // Lines that run along the pixels to this ratio count as doing so.
 constexpr double kAlongPixels = 1e-4;
 
@@ -38,6 +40,36 @@ double ExactShareBelow(double x, double sigma) {
   return MeanRamp(x + 0.5, sigma) - MeanRamp(x - 0.5, sigma);
 }
 
+// A convex polygon of a square cut twice.
+struct CutSquare {
+  std::array<Eigen::Vector2d, 6> corner = {
+      Eigen::Vector2d(-0.5, -0.5), {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  size_t count = 4;
+
+  // Keeps what lies where row . o < distance.
+  void Cut(const Eigen::Vector2d& row, double distance) {
+    CutSquare kept;
+    kept.count = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const Eigen::Vector2d &a = corner[i], &b = corner[(i + 1) % count];
+      const double at_a = row.dot(a) - distance, at_b = row.dot(b) - distance;
+      if (at_a < 0) kept.corner[kept.count++] = a;
+      if ((at_a < 0) != (at_b < 0)) {
+        kept.corner[kept.count++] = a + at_a / (at_a - at_b) * (b - a);
+      }
+    }
+    *this = kept;
+  }
+  double Area() const {
+    double twice = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const Eigen::Vector2d &a = corner[i], &b = corner[(i + 1) % count];
+      twice += a.x() * b.y() - a.y() * b.x();
+    }
+    return twice / 2;
+  }
+};
+
 // Where u lies for a line row . (u, v) < distance: below a bound, or above one (or anywhere, or
 // nowhere, when the row has no part in u).
 struct Stretch {
@@ -55,19 +87,34 @@ struct Stretch {
   }
 };
 
-// The share behind both lines, place by place across the pixel.
+// The share behind both lines. Without blur an area; else along u in closed form, place by place in
+// v. What a line that runs along u cuts off ends at one v: places stand on either side of it.
 double ShareBehindBoth(const PixelProfile& profile, const Eigen::Matrix2d& rows,
                        const Eigen::Vector2d& distance) {
-  double sum = 0;
-  for (const double v : profile.places()) {
-    Stretch stretch;
-    for (int line = 0; line < 2; ++line) {
-      stretch.Cut(rows(line, 0), distance(line) - rows(line, 1) * v);
-    }
-    if (!(stretch.high > stretch.low)) continue;
-    sum += profile.ShareBelow(stretch.high) - profile.ShareBelow(stretch.low);
+  if (profile.blur_px() < kNoBlurPx) {
+    CutSquare square;
+    square.Cut(rows.row(0), distance(0));
+    square.Cut(rows.row(1), distance(1));
+    return square.Area();
   }
-  return sum / static_cast<double>(profile.places().size());
+  const Eigen::Matrix2d size = rows.cwiseAbs();
+  const int flat = size(0, 1) * size(1, 0) > size(1, 1) * size(0, 0) ? 0 : 1;
+  const double split = profile.ShareBelow(distance(flat) / rows(flat, 1));
+  double sum = 0;
+  for (const auto& [begin, share] : {std::pair(0.0, split), std::pair(split, 1 - split)}) {
+    double part = 0;
+    for (int place = 0; place < kPlaces && share > 0; ++place) {
+      const double v = profile.RoughQuantile(begin + share * (place + 0.5) / kPlaces);
+      Stretch stretch;
+      for (int line = 0; line < 2; ++line) {
+        stretch.Cut(rows(line, 0), distance(line) - rows(line, 1) * v);
+      }
+      if (!(stretch.high > stretch.low)) continue;
+      part += profile.ShareBelow(stretch.high) - profile.ShareBelow(stretch.low);
+    }
+    sum += share * part / kPlaces;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -77,7 +124,21 @@ PixelProfile::PixelProfile(double blur_px)
   for (int i = 0; i <= kTable; ++i) {
     shares_.push_back(ExactShareBelow(reach_ * (2.0 * i / kTable - 1), blur_px));
   }
-  for (int i = 0; i < kPlaces; ++i) places_.push_back(Quantile((i + 0.5) / kPlaces));
+  // The shares, read the other way round.
+  size_t next = 1;
+  for (int i = 0; i <= kTable; ++i) {
+    const double share = std::clamp(static_cast<double>(i) / kTable, 1e-6, 1 - 1e-6);
+    while (next < kTable && shares_[next] < share) ++next;
+    const double within = (share - shares_[next - 1]) / (shares_[next] - shares_[next - 1]);
+    quantiles_.push_back(reach_ * (2 * (static_cast<double>(next) - 1 + within) / kTable - 1));
+  }
+}
+
+double PixelProfile::RoughQuantile(double share) const {
+  const double at = std::clamp(share, 0.0, 1.0) * kTable;
+  const size_t i = std::min<size_t>(static_cast<size_t>(at), kTable - 1);
+  const double within = at - static_cast<double>(i);
+  return (1 - within) * quantiles_[i] + within * quantiles_[i + 1];
 }
 
 double PixelProfile::ShareBelow(double x) const {
