@@ -216,7 +216,8 @@ double ArgMin(const Function& cost, double low, double high) {
   constexpr int kSteps = 8;
   double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
   double at_left = cost(left), at_right = cost(right);
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 1;; ++step) {
+    if (step == kSteps) return at_left <= at_right ? (low + right) / 2 : (left + high) / 2;
     if (at_left <= at_right) {
       high = right, right = left, at_right = at_left;
       left = high - kGolden * (high - low);
@@ -227,7 +228,6 @@ double ArgMin(const Function& cost, double low, double high) {
       at_right = cost(right);
     }
   }
-  return (low + high) / 2;
 }
 
 }  // namespace

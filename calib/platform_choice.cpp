@@ -7,10 +7,10 @@
 namespace lfm {
 namespace {
 
-// Corners that a coarse picture displaces alike in all views look like a print that is off: a
-// platform is believed until a tenth of the squared error is at stake.
 // Normal equations are dense in these: a thousand take 8 MB a thread.
 constexpr int kMostUnknowns = 1000;
+// Corners that a coarse picture displaces alike in all views look like a print that is off: a
+// platform is believed until a tenth of the squared error is at stake.
 constexpr double kPlatformGain = 0.9;
 constexpr size_t kLeastViews = 8, kMostViews = 16, kMostCorners = 400;
 

@@ -36,13 +36,13 @@ double MeanSquaredRamp(double t, double sigma) {
 }
 
 double ExactShareBelow(double x, double sigma) {
-  if (sigma < kNoBlurPx) return std::clamp(x + 0.5, 0.0, 1.0);
+  if (sigma == 0) return std::clamp(x + 0.5, 0.0, 1.0);
   return MeanRamp(x + 0.5, sigma) - MeanRamp(x - 0.5, sigma);
 }
 
-// A convex polygon of a square cut twice.
+// A convex polygon of a square cut twice; room for what rounding may add.
 struct CutSquare {
-  std::array<Eigen::Vector2d, 6> corner = {
+  std::array<Eigen::Vector2d, 8> corner = {
       Eigen::Vector2d(-0.5, -0.5), {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
   size_t count = 4;
 
@@ -91,7 +91,7 @@ struct Stretch {
 // v. What a line that runs along u cuts off ends at one v: places stand on either side of it.
 double ShareBehindBoth(const PixelProfile& profile, const Eigen::Matrix2d& rows,
                        const Eigen::Vector2d& distance) {
-  if (profile.blur_px() < kNoBlurPx) {
+  if (profile.blur_px() == 0) {
     CutSquare square;
     square.Cut(rows.row(0), distance(0));
     square.Cut(rows.row(1), distance(1));
@@ -120,9 +120,9 @@ double ShareBehindBoth(const PixelProfile& profile, const Eigen::Matrix2d& rows,
 }  // namespace
 
 PixelProfile::PixelProfile(double blur_px)
-    : blur_px_(blur_px), reach_(0.5 + kReachSigmas * blur_px) {
+    : blur_px_(blur_px < kNoBlurPx ? 0 : blur_px), reach_(0.5 + kReachSigmas * blur_px_) {
   for (int i = 0; i <= kTable; ++i) {
-    shares_.push_back(ExactShareBelow(reach_ * (2.0 * i / kTable - 1), blur_px));
+    shares_.push_back(ExactShareBelow(reach_ * (2.0 * i / kTable - 1), blur_px_));
   }
   // The shares, read the other way round.
   size_t next = 1;
@@ -151,7 +151,7 @@ double PixelProfile::ShareBelow(double x) const {
 }
 
 double PixelProfile::Quantile(double share) const {
-  if (blur_px_ < kNoBlurPx) return share - 0.5;
+  if (blur_px_ == 0) return share - 0.5;
   double low = -reach_, high = reach_;
   for (int i = 0; i < 60; ++i) {
     const double x = (low + high) / 2;
@@ -165,7 +165,7 @@ double PixelProfile::Quantile(double share) const {
 double ShareBehindLine(const PixelProfile& profile, const Eigen::Vector2d& row, double distance) {
   const double wide = row.cwiseAbs().maxCoeff(), narrow = row.cwiseAbs().minCoeff();
   if (!(wide > 0)) return distance > 0 ? 1 : 0;
-  const double sigma = profile.blur_px() < kNoBlurPx ? 0 : profile.blur_px() * row.norm();
+  const double sigma = profile.blur_px() * row.norm();
   const double far = distance + (wide + narrow) / 2, near = distance - (wide + narrow) / 2;
   if (near >= kReachSigmas * sigma) return 1;
   if (far <= -kReachSigmas * sigma) return 0;

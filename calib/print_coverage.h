@@ -12,15 +12,16 @@ namespace lfm {
 /// Gaussian. A pixel is the product of two of them.
 class PixelProfile {
  public:
-  /// `blur_px`: standard deviation, >= 0.
+  /// `blur_px`: standard deviation, >= 0; below 0.001 it counts as none.
   explicit PixelProfile(double blur_px);
 
   double blur_px() const { return blur_px_; }
-  /// Share of the light from below `x` (pixels, 0: the middle); within 1e-5.
+  /// Share of the light from below `x` (pixels, 0: the middle); within 1e-4.
   double ShareBelow(double x) const;
   /// The inverse, for 0 < share < 1; within 1e-9.
   double Quantile(double share) const;
-  /// The same from a table: within 1e-3, the outermost thousandths of the light aside.
+  /// The same from a table: within 2e-3 px for blurs up to 0.5 px, the outermost hundredths of the
+  /// light aside.
   double RoughQuantile(double share) const;
 
  private:
@@ -32,7 +33,8 @@ class PixelProfile {
 double ShareBehindLine(const PixelProfile& profile, const Eigen::Vector2d& row, double distance);
 
 /// Mean value that a pixel sees of a print as `cross` says it is all round: exact without blur or
-/// where one line passes, within 0.003 where two do. `slope`: mm on the plate a pixel.
+/// where one line passes, within 0.003 (RMS; 0.015 at most) where two do. `slope`: mm on the plate
+/// a pixel.
 double PixelOfCross(const PrintCross& cross, const Eigen::Matrix2d& slope,
                     const PixelProfile& profile);
 

@@ -67,7 +67,8 @@ std::optional<PrintCross> BoardPrint::CrossNear(const Eigen::Vector2d& point_mm,
   const Eigen::Array2d to_edge =
       Eigen::Array2d(board_.width_mm, board_.height_mm) / 2 - point_mm.array().abs();
   // Written so that NaN is refused.
-  if (!(to_edge.minCoeff() > reach_mm && reach_mm <= listed_mm_)) return std::nullopt;
+  const bool listed = tags_.empty() || reach_mm <= listed_mm_;
+  if (!(to_edge.minCoeff() > reach_mm && listed)) return std::nullopt;
   if (CircleAt(point_mm, reach_mm) != nullptr) return std::nullopt;
   const std::optional<InkGrid> grid = OnlyGridNear(point_mm, reach_mm);
   if (!grid) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/command_line.h"
+#include "core/error.h"
 #include "pipeline/evaluation.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/truth_record.h"
@@ -50,6 +51,9 @@ int main(int argc, char** argv) {
   return line.Run(argc, argv, [&](lfm::Progress& progress) {
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::Workspace workspace{work};
+    if (options.geometry && (options.ground_truth || !options.images.empty())) {
+      throw lfm::Error("--geometry compares geometry alone; leave out --ground-truth and --images");
+    }
     if (options.geometry) {
       PrintFigures("truth", lfm::EvaluateGeometry(capture, workspace, progress));
       return;

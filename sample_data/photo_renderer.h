@@ -24,10 +24,11 @@ struct RenderedPhoto {
 using PhotoRenderer =
     std::function<RenderedPhoto(const PixelRays& rays, const Pose& camera_from_world)>;
 
-/// Renders one photograph: box-filtered pixels of 4 samples, 16 where a pixel or the step to a
-/// neighbour holds more than one surface, a print edge or a depth edge, and print edges integrated
-/// over the pixel's square (PrintSampler); the coat shaded a pixel at two opposite samples
-/// elsewhere. No random numbers: the same picture for every number of threads.
+/// Renders one photograph: box-filtered pixels of 4 samples; 16 where a pixel holds, or a
+/// neighbour shows, another surface, or the pixel holds a depth edge; print edges are integrated
+/// over the pixel's square without more rays (PrintSampler); the coat is shaded at two opposite
+/// samples of a pixel of one surface. No random numbers: the same picture for every number of
+/// threads.
 RenderedPhoto RenderPhoto(const StudioScene& scene, const CoatShading& shading,
                           const SetReflectance& reflectance, const PixelRays& rays,
                           const Pose& camera_from_world);

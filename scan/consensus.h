@@ -27,9 +27,9 @@ struct PosedRange {
 ///
 /// Each point is projected into every other scan. There the surface found at that pixel agrees
 /// (distance to its tangent plane within `agree_mm`), contradicts (off by more, facing the same
-/// way, and so does every pixel beside it: one pixel is too coarse for
-/// creases and slopes), or was seen through the point (it and its neighbours lie more than
-/// `clear_mm` behind). A voice weighs as much as its confidence, and the point has its own; points
+/// way), or was seen through the point (it and its neighbours lie more than `clear_mm` behind). It
+/// says neither where a pixel beside it agrees: one pixel is too coarse for creases and slopes. A
+/// voice weighs as much as its confidence, and the point has its own; points
 /// with more against than for them go, so of two scans that contradict each other the less certain
 /// yields. Points that no other scan saw stay. All votes are taken before any pixel is cleared: the
 /// result does not depend on an order.

@@ -31,7 +31,7 @@ struct DecodedPixels {
 
 struct DecodeOptions {
   double min_contrast = 0.03;   ///< linear; darker pixels are not decoded
-  double min_modulation = 0.3;  ///< least share of the projector's light that comes straight
+  double min_modulation = 0.3;  ///< least share of light that comes straight; fringes need half
   double min_margin = 0.35;     ///< least lead of the best period over the next, in Gray bits
 };
 

@@ -16,23 +16,22 @@ namespace {
 constexpr int kLanes = 8;
 
 /// `count` values with whole vectors to read.
-template <typename T>
 class Padded {
  public:
-  Padded(const T* values, int count) : values_(values) {
+  Padded(const float* values, int count) : values_(values) {
     if (count % kLanes == 0) return;
     std::copy_n(values, count, copy_.begin());
-    std::fill(copy_.begin() + count, copy_.end(), T{});
+    std::fill(copy_.begin() + count, copy_.end(), 0.0F);
     values_ = copy_.data();
   }
   Padded(const Padded&) = delete;
   Padded& operator=(const Padded&) = delete;
 
-  const T* data() const { return values_; }
+  const float* data() const { return values_; }
 
  private:
-  const T* values_;
-  std::array<T, kGrayBlock> copy_;
+  const float* values_;
+  std::array<float, kGrayBlock> copy_;
 };
 
 }  // namespace
@@ -60,30 +59,28 @@ void SetIntervals(const GrayInterval (&intervals)[kGrayIntervals], GrayPlacing& 
 
 void ReadGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise, const float* contrast,
               long begin, int count, GrayReading& reading, const GrayKernels& kernels) {
-  const Padded<float> padded(contrast, count);
+  const Padded padded(contrast, count);
   kernels.read_bytes(planes, noise, padded.data(), begin, count, reading);
 }
 
 void ReadGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const float* contrast,
               long begin, int count, GrayReading& reading, const GrayKernels& kernels) {
-  const Padded<float> padded(contrast, count);
+  const Padded padded(contrast, count);
   kernels.read_floats(planes, noise, padded.data(), begin, count, reading);
 }
 
 void DecodeGray(const GrayPlanes<uint8_t>& planes, const GrayNoise& noise,
                 const GrayPlacing& placing, const float* contrast, const uint8_t* usable,
                 long begin, int count, GrayPlaces& places, const GrayKernels& kernels) {
-  const Padded<float> padded(contrast, count);
-  const Padded<uint8_t> lit(usable, count);
-  kernels.decode_bytes(planes, noise, placing, padded.data(), lit.data(), begin, count, places);
+  const Padded padded(contrast, count);
+  kernels.decode_bytes(planes, noise, placing, padded.data(), usable, begin, count, places);
 }
 
 void DecodeGray(const GrayPlanes<float>& planes, const GrayNoise& noise, const GrayPlacing& placing,
                 const float* contrast, const uint8_t* usable, long begin, int count,
                 GrayPlaces& places, const GrayKernels& kernels) {
-  const Padded<float> padded(contrast, count);
-  const Padded<uint8_t> lit(usable, count);
-  kernels.decode_floats(planes, noise, placing, padded.data(), lit.data(), begin, count, places);
+  const Padded padded(contrast, count);
+  kernels.decode_floats(planes, noise, placing, padded.data(), usable, begin, count, places);
 }
 
 void ReadGrayLight(const float* linear_of_level, const uint8_t* lit, const uint8_t* dark,

@@ -89,7 +89,7 @@ struct GrayRaster {
   float *position, *sigma, *confidence;
 };
 
-/// The loops as compiled for one instruction set. Arrays of a block are read in whole vectors.
+/// The loops as compiled for one instruction set. `contrast` is read in whole vectors.
 struct GrayKernels {
   template <typename T>
   using Read = void(const GrayPlanes<T>&, const GrayNoise&, const float* contrast, long begin,

@@ -37,11 +37,12 @@ Eigen::Vector3d MeetPlate(const Pose& camera_from_world, const Eigen::Vector2d& 
 
 PlatePlane PlateUnderRay(const Pose& camera_from_world, const Eigen::Vector2d& ray,
                          const Eigen::Vector3d& bend_per_mm) {
+  if (bend_per_mm.isZero(0)) return {};
   // Newton's method; plates bend by millimetres a metre, so that three steps are exact.
   constexpr int kSteps = 3;
   const Pose world_from_camera = camera_from_world.Inverse();
   PlatePlane plane;
-  for (int step = 0; step < kSteps && !bend_per_mm.isZero(0); ++step) {
+  for (int step = 0; step < kSteps; ++step) {
     const Eigen::Vector3d met = world_from_camera * MeetPlate(camera_from_world, ray, plane);
     if (!met.allFinite()) return {};
     const Eigen::Vector2d p = met.head<2>();
@@ -49,7 +50,7 @@ PlatePlane PlateUnderRay(const Pose& camera_from_world, const Eigen::Vector2d& r
                                 bend_per_mm.y() * p.x() + 2 * bend_per_mm.z() * p.y());
     // A quadratic form is half its slope times the place.
     plane.normal = {-slope.x(), -slope.y(), 1};
-    plane.height = slope.dot(p) / 2 - slope.dot(p);
+    plane.height = -slope.dot(p) / 2;
   }
   return plane;
 }
@@ -85,7 +86,7 @@ std::vector<PlateCorrespondence> PlateCorrespondences(
     }
   }
   const size_t limit = static_cast<size_t>(std::max(1, max_count));
-  // A stride that shares no factor with a row's length walks over rows and columns alike.
+  // An odd stride does not fall into step with rows of even length.
   return EveryNth(all, (all.size() + limit - 1) / limit | 1);
 }
 

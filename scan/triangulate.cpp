@@ -75,7 +75,8 @@ class Neighbourhood {
     steepest_ = std::tan(Radians(std::min(options.max_grazing_deg, kSteepestDeg)));
   }
 
-  /// The two depths may belong to one surface seen at no more than the grazing limit.
+  /// The two depths may belong to one surface seen at no more than the grazing limit, or
+  /// kSteepestDeg where that is less.
   bool Connected(size_t a, size_t b) const {
     if (depth_[a] <= 0 || depth_[b] <= 0) return false;
     const double across = (rays_[a] - rays_[b]).norm() * std::min(depth_[a], depth_[b]);

@@ -184,8 +184,7 @@ TEST(BundleCovariance, DISABLED_IsHonestOverAHundredRenderedCaptures) {
   double of_poses = 0, of_intrinsics = 0, intrinsics = 0;
   int posed = 0;
   for (int c = 0; c < kCaptures; ++c) {
-    const RenderedCapture rendered =
-        RenderCapture(DefaultBoard(), kPhotos, 0, 1000u + c, {.subsamples = 24, .hidden_share = 0.25});
+    const RenderedCapture rendered = RenderCapture(DefaultBoard(), kPhotos, 0, 1000u + c);
     const CalibResult result =
         Calibrate(rendered.capture, DefaultBoard(), rendered.Loader(), {}, SilentProgress());
     for (const PosedImage& photo : result.photos) {

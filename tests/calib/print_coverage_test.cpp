@@ -183,6 +183,19 @@ TEST(PixelOfCross, IsWhatManyPlacesOfThePrintShow) {
   }
 }
 
+TEST(PixelOfCross, AnswersOnAPlateWithoutTags) {
+  Board board = DefaultBoard();
+  board.tags.clear();
+  board.tag_size_mm = 0;
+  const BoardPrint print = BoardPrint::WithMovedTags(board);
+  const auto cross = print.CrossNear({0.2, 0.1}, 1.5);
+  ASSERT_TRUE(cross);
+  EXPECT_NEAR(cross->offset_mm.x(), -0.2, 1e-9);
+  EXPECT_NEAR(cross->offset_mm.y(), -0.1, 1e-9);
+  EXPECT_EQ(cross->value[0][0], cross->value[1][1]);
+  EXPECT_NE(cross->value[0][0], cross->value[0][1]);
+}
+
 TEST(PixelOfCross, NoAnswerWhereThePrintIsMoreThanACross) {
   Board board = DefaultBoard();
   const BoardTag tag = board.tags[0];
