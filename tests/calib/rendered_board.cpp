@@ -104,15 +104,10 @@ std::vector<Eigen::Vector3d> RenderLinear(const BoardPrint& print, const Camera&
       Eigen::Vector3d value = Reflected(views, camera, x, y, 0.5, 0.5);
       if (!IsUniform(views, camera, x, y)) {
         value.setZero();
-        // Drawn at random in each cell: what places misjudge of an edge must not be alike along
-        // edges that are parallel, as all of a board's are.
-        std::minstd_rand random(
-            (static_cast<uint32_t>(y * camera.width + x) + 1000003u * settings.seed) * 2654435761u +
-            1);
-        std::uniform_real_distribution<double> uniform;
+        // Every place has a column and a row of its own: edges along either lose nothing.
         for (int i = 0; i < n; ++i) {
           for (int j = 0; j < n; ++j) {
-            const double u = (i + uniform(random)) / n, v = (j + uniform(random)) / n;
+            const double u = (i + (j + 0.5) / n) / n, v = (j + (i + 0.5) / n) / n;
             value += Reflected(views, camera, x, y, u, v) / (n * n);
           }
         }
