@@ -13,12 +13,12 @@
 namespace lfm {
 namespace {
 
-constexpr int kPasses = 3;
+constexpr int kPasses = 4;
 constexpr int kNeighbors = 40;
 constexpr double kReachInSigmas = 2.5, kLargestResidualInSigmas = 2;
 constexpr double kLikeNormalCosine = 0.3;
 // Weight of staying, in points of full confidence.
-constexpr double kInertia = 0.05;
+constexpr double kInertia = 0.02;
 // Horizontal part of the normal, from which a vertex on the platform is the end of a wall.
 constexpr double kWallShare = 0.3;
 
@@ -40,6 +40,30 @@ std::vector<float> Residuals(const TriangleMesh& mesh, const PointCloud& points,
   return residuals;
 }
 
+struct WeighedPoint {
+  int index = 0;
+  double weight = 0;
+};
+
+// The points round each vertex. Vertices move by much less than sigma: those found once do.
+std::vector<std::vector<WeighedPoint>> PointsRound(const std::vector<Eigen::Vector3d>& vertices,
+                                                   const PointCloud& points, double sigma_mm) {
+  const NearestPoints index(points.points);
+  std::vector<std::vector<WeighedPoint>> round(vertices.size());
+  ParallelFor(
+      0, static_cast<int64_t>(vertices.size()),
+      [&](int64_t v) {
+        for (const NearPoint& near : index.Find(vertices[v], kNeighbors)) {
+          if (near.distance > kReachInSigmas * sigma_mm) break;
+          const double in_sigmas = near.distance / sigma_mm;
+          round[v].push_back({near.index, std::sqrt(points.confidence[near.index]) *
+                                              std::exp(-0.5 * in_sigmas * in_sigmas)});
+        }
+      },
+      256);
+  return round;
+}
+
 // Where vertices may move: along the normal; on the platform, where walls end, sideways.
 std::vector<Eigen::Vector3d> Directions(const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> directions = ComputeVertexNormals(mesh);
@@ -58,7 +82,7 @@ std::vector<Eigen::Vector3d> Directions(const TriangleMesh& mesh) {
 TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, double sigma_mm) {
   TriangleMesh fitted = mesh;
   if (points.points.empty()) return fitted;
-  const NearestPoints index(points.points);
+  const auto points_round = PointsRound(fitted.vertices, points, sigma_mm);
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<float> residuals =
         Residuals(fitted, points, kLargestResidualInSigmas * sigma_mm);
@@ -69,16 +93,12 @@ TriangleMesh FitToPoints(const TriangleMesh& mesh, const PointCloud& points, dou
         [&](int64_t v) {
           if (normals[v].isZero()) return;
           double sum = 0, weights = kInertia;
-          for (const NearPoint& near : index.Find(fitted.vertices[v], kNeighbors)) {
-            if (near.distance > kReachInSigmas * sigma_mm) break;
+          for (const WeighedPoint& near : points_round[v]) {
             const float residual = residuals[near.index];
             if (std::isnan(residual)) continue;
             if (points.normals[near.index].dot(normals[v]) < kLikeNormalCosine) continue;
-            const double in_sigmas = near.distance / sigma_mm;
-            const double weight =
-                std::sqrt(points.confidence[near.index]) * std::exp(-0.5 * in_sigmas * in_sigmas);
-            weights += weight;
-            sum += weight * residual;
+            weights += near.weight;
+            sum += near.weight * residual;
           }
           moves[v] = sum / weights;
         },

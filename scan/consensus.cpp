@@ -12,8 +12,11 @@
 namespace lfm {
 namespace {
 
-// Confidence of the other scan's pixel, negative when it speaks against the point; 0 is silence.
-using Voice = double;
+/// What another scan says of a point.
+struct Voice {
+  double weight = 0;     ///< confidence of its pixel, negative when it speaks against the point
+  bool witness = false;  ///< it, or the pixel beside it, shows the surface there
+};
 
 bool SeenThrough(const RangeMap& map, int x, int y, double depth, double clear_mm) {
   for (int dy = -1; dy <= 1; ++dy) {
@@ -43,22 +46,32 @@ Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen
           const ConsensusOptions& options) {
   const Eigen::Vector3d point = other.camera_from_world * point_in_world;
   const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
-  if (!pixel) return 0;
+  if (!pixel) return {};
   const int x = static_cast<int>(std::lround(pixel->x()));
   const int y = static_cast<int>(std::lround(pixel->y()));
   const RangeMap& map = other.map;
-  if (x < 1 || y < 1 || x + 1 >= map.width || y + 1 >= map.height) return 0;
+  if (x < 1 || y < 1 || x + 1 >= map.width || y + 1 >= map.height) return {};
   const size_t q = static_cast<size_t>(y) * map.width + x;
-  if (map.depth[q] <= 0) return 0;
+  if (map.depth[q] <= 0) return {};
   const Eigen::Vector3d there = map.depth[q] * rays[q].homogeneous();
   const Eigen::Vector3d normal = map.normal[q].cast<double>();
   const double distance = normal.dot(point - there);
-  if (std::abs(distance) <= options.agree_mm) return map.confidence[q];
+  if (std::abs(distance) <= options.agree_mm) return {map.confidence[q], true};
   // The pixel beside it may show what this one is too coarse for: a crease, a slope.
-  if (NeighbourAgrees(map, rays, x, y, point, options.agree_mm)) return 0;
+  if (NeighbourAgrees(map, rays, x, y, point, options.agree_mm)) return {0, true};
   const bool same_side = normal.dot(other.camera_from_world.rotation * normal_in_world) > 0.5;
-  if (same_side && std::abs(distance) <= options.contradict_mm) return -map.confidence[q];
-  return SeenThrough(map, x, y, point.z(), options.clear_mm) ? -map.confidence[q] : 0;
+  if (same_side && std::abs(distance) <= options.contradict_mm) return {-map.confidence[q], false};
+  const bool through = SeenThrough(map, x, y, point.z(), options.clear_mm);
+  return {through ? -map.confidence[q] : 0.0, false};
+}
+
+// What no other scan shows is believed where it is exact, or where this scan saw it so obliquely
+// that the others need not have seen it at all.
+bool InDoubt(const RangeMap& map, size_t pixel, const Eigen::Vector2d& ray,
+             const ConsensusOptions& options) {
+  constexpr double kObliqueCosine = 0.2;
+  const double seen = -map.normal[pixel].cast<double>().dot(ray.homogeneous().normalized());
+  return map.sigma_mm[pixel] > options.exact_mm && seen > kObliqueCosine;
 }
 
 bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, const Camera& camera,
@@ -69,10 +82,14 @@ bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, c
       world_from_camera * (own.map.depth[pixel] * rays[pixel].homogeneous());
   const Eigen::Vector3d normal = world_from_camera.rotation * own.map.normal[pixel].cast<double>();
   double balance = own.map.confidence[pixel];
+  bool witnessed = scans.size() == 1;
   for (size_t other = 0; other < scans.size(); ++other) {
     if (other == scan) continue;
-    balance += Ask(scans[other], camera, rays, point, normal, options);
+    const Voice voice = Ask(scans[other], camera, rays, point, normal, options);
+    balance += voice.weight;
+    witnessed |= voice.witness;
   }
+  if (!witnessed && InDoubt(own.map, pixel, rays[pixel], options)) return true;
   return balance < 0;
 }
 

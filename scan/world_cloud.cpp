@@ -10,13 +10,15 @@ namespace lfm {
 namespace {
 
 // Nearer to the plate than this, a point is the plate's: paper and ink scatter by about half of it.
-constexpr double kPlateMm = 0.4;
+// Points that are known less well can be told from it only farther off.
+constexpr double kPlateMm = 0.4, kPlateSigmas = 3;
 // What faces sideways is not the plate: there it only has to be above the corner between them.
 constexpr double kWallMm = 0.2, kWallCosine = 0.5;
 
-bool StandsOnPlate(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+bool StandsOnPlate(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double sigma_mm,
                    const Board& board) {
-  const double least = normal.z() < kWallCosine ? kWallMm : kPlateMm;
+  const double least =
+      normal.z() < kWallCosine ? kWallMm : std::max(kPlateMm, kPlateSigmas * sigma_mm);
   return point.z() >= least && std::abs(point.x()) <= board.width_mm / 2 &&
          std::abs(point.y()) <= board.height_mm / 2;
 }
@@ -33,14 +35,15 @@ PointCloud CloudFromRange(const PosedRange& scan, const Eigen::Matrix<double, 6,
     const Eigen::Vector3d point = world_from_camera * in_camera;
     const Eigen::Vector3d normal = scan.map.normal[p].cast<double>();
     const Eigen::Vector3d in_world = world_from_camera.rotation * normal;
-    if (!StandsOnPlate(point, in_world, board)) continue;
     const double pose_mm2 =
         PoseVarianceMm2(covariance, in_camera - scan.camera_from_world.translation, normal);
     const double own_mm = scan.map.sigma_mm[p];
+    const double sigma_mm = std::sqrt(own_mm * own_mm + pose_mm2);
+    if (!StandsOnPlate(point, in_world, sigma_mm, board)) continue;
     cloud.points.push_back(point);
     cloud.normals.push_back(in_world);
     cloud.confidence.push_back(scan.map.confidence[p]);
-    cloud.sigma_mm.push_back(static_cast<float>(std::sqrt(own_mm * own_mm + pose_mm2)));
+    cloud.sigma_mm.push_back(static_cast<float>(sigma_mm));
   }
   return cloud;
 }

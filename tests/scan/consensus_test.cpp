@@ -94,5 +94,39 @@ TEST(Consensus, WhatOnlyOneScanSawStaysAndSpecksGo) {
   EXPECT_TRUE(KeepConsensus({}, camera, rays, {}).empty());
 }
 
+/// Two scans, of which the second shows nothing at all.
+std::vector<PosedRange> OneThatSees(const Camera& camera, const std::vector<Eigen::Vector2d>& rays,
+                                    float sigma_mm) {
+  std::vector<PosedRange> scans = {PlateScan(camera, rays, 0), PlateScan(camera, rays, 45)};
+  scans[1].map.depth.assign(rays.size(), 0.0);
+  scans[0].map.sigma_mm.assign(rays.size(), sigma_mm);
+  return scans;
+}
+
+TEST(Consensus, InexactPointsNeedAnotherScanUnlessTheyAreOblique) {
+  const Camera camera = KnownRig(true).camera;
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
+  std::vector<PosedRange> scans = OneThatSees(camera, rays, 0.2F);
+  EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 144);
+  // The edge of what all scans see together.
+  const Pose& pose = scans[0].camera_from_world;
+  for (size_t p = 0; p < rays.size(); ++p) {
+    const Eigen::Vector3d sight = -rays[p].homogeneous().normalized();
+    const Eigen::Vector3d across = sight.cross(pose.rotation.col(0)).normalized();
+    scans[0].map.normal[p] = (across + 0.15 * sight).normalized().cast<float>();
+  }
+  EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 0);
+  scans = OneThatSees(camera, rays, 0.05F);
+  EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 0);
+  scans = OneThatSees(camera, rays, 0.2F);
+  scans.pop_back();
+  EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 0);
+  // One that agrees is enough.
+  scans = {PlateScan(camera, rays, 0), PlateScan(camera, rays, 45), PlateScan(camera, rays, 90)};
+  scans[0].map.sigma_mm.assign(rays.size(), 0.2F);
+  scans[1].map.depth.assign(rays.size(), 0.0);
+  EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 0);
+}
+
 }  // namespace
 }  // namespace lfm

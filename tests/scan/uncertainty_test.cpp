@@ -100,6 +100,8 @@ TEST(WorldCloud, JoinsScansInOrderAndAddsThePosesVariance) {
   for (size_t p : {middle + 2, middle + 3}) {
     range.map.normal[p] = range.camera_from_world.rotation.col(0).cast<float>();
   }
+  put(middle + 4, 0.5);  // may be the plate's
+  range.map.sigma_mm[middle + 4] = 0.3F;
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   covariance.diagonal().tail<3>().setConstant(0.04 * 0.04);
   PointCloud cloud = CloudFromRange(range, covariance, rays, board);
