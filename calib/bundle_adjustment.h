@@ -21,6 +21,11 @@ struct BundleView {
   std::vector<int> corners = {};
   int camera = 0;     ///< index into JointBundle::cameras
   double weight = 1;  ///< of its squared errors: inverse variance over the common one
+  std::vector<double> corner_weights = {};  ///< beside `weight`, one a corner; none: all 1
+
+  double WeightOf(size_t i) const {
+    return corner_weights.empty() ? weight : weight * corner_weights[i];
+  }
 };
 
 /// Which intrinsics an adjustment may move.

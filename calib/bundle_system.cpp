@@ -89,9 +89,9 @@ ViewSystem LinearizeView(const JointBundle& bundle, const BundleLayout& layout,
   for (size_t i = 0; i < view.pixels.size(); ++i) {
     const CornerProjection p =
         ProjectCorner(camera, state.poses[v], PointOf(bundle, state, view, i), view.pixels[i]);
-    double weight = view.weight;
+    double weight = view.WeightOf(i);
     if (robust_scale_px > 0) {
-      weight /= 1 + view.weight * p.residual.squaredNorm() / (robust_scale_px * robust_scale_px);
+      weight /= 1 + weight * p.residual.squaredNorm() / (robust_scale_px * robust_scale_px);
     }
     const Eigen::Matrix<double, 6, 2> pose_weighted = weight * p.by_pose.transpose();
     system.pose.noalias() += pose_weighted * p.by_pose;
@@ -206,9 +206,9 @@ double BundleCost(const JointBundle& bundle, const BundleState& state, double ro
         const BundleView& view = bundle.views[v];
         for (size_t i = 0; i < view.pixels.size(); ++i) {
           const double squared =
-              view.weight * CornerResidual(state.cameras[view.camera], state.poses[v],
-                                           PointOf(bundle, state, view, i), view.pixels[i])
-                                .squaredNorm();
+              view.WeightOf(i) * CornerResidual(state.cameras[view.camera], state.poses[v],
+                                                PointOf(bundle, state, view, i), view.pixels[i])
+                                     .squaredNorm();
           costs[v] += robust_scale_px > 0 ? scale2 * std::log1p(squared / scale2) : squared;
         }
       },

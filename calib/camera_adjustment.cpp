@@ -17,8 +17,9 @@ constexpr double kOutlierSigmas = 4.5;
 constexpr int kMaxIterations = 100;
 // A picture's own noise counts as so many residuals of all pictures' noise.
 constexpr double kSharedFreedom = 40;
-// Exact corners would make anything look certain: half a hundredth of a pixel is assumed at least.
-constexpr double kLeastNoisePx = 0.005;
+// Exact corners would make anything look certain: what the corners' template is good for (0.003 px
+// in pictures without noise) is not known to be less than this.
+constexpr double kLeastNoisePx = 0.001;
 // Views this close (of their distance, and in radians) are one.
 constexpr double kSamePlace = 0.002;
 
@@ -94,8 +95,9 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
   return picture;
 }
 
-// The standard deviation of each picture's corners, drawn towards that of all pictures of its
-// camera: what was fitted is subtracted from the freedom, a share of the intrinsics a picture.
+// The standard deviation of each picture's corners of weight 1, drawn towards that of all pictures
+// of its camera: what was fitted is subtracted from the freedom, a share of the intrinsics a
+// picture.
 void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split) {
   const std::vector<Eigen::Vector3d> corners =
       CornerPositions(BoardCorners(board), adjustment.shape);
@@ -107,10 +109,11 @@ void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split)
     std::vector<std::pair<double, double>> of_picture;
     for (const size_t i : selected) {
       std::pair<double, double> own(0, -6);
-      for (const auto& error :
-           ReprojectionErrors(camera.camera, ViewOfCorners(adjustment.pictures[i], corners))) {
-        if (!error) continue;
-        own.first += error->squaredNorm();
+      const BundleView view = ViewOfCorners(adjustment.pictures[i], corners);
+      const auto errors = ReprojectionErrors(camera.camera, view);
+      for (size_t k = 0; k < errors.size(); ++k) {
+        if (!errors[k]) continue;
+        own.first += view.WeightOf(k) * errors[k]->squaredNorm();
         own.second += 2;
       }
       squared += own.first, freedom += own.second;

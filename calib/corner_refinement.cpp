@@ -16,8 +16,10 @@ namespace {
 constexpr int kLightTerms = 6;
 constexpr int kUnknowns = kLightTerms + 2;
 constexpr int kMaxIterations = 8;
-// The step is taken before stopping, so what remains is an order less.
-constexpr double kConvergedPx = 4e-3;
+// Steps shrink by a constant factor, so that the second tells the rest: what remains is an order
+// less than so much of the last one.
+constexpr double kConvergedPx = 3e-3, kMostShrink = 0.5;
+constexpr double kFirstConvergedPx = 3e-4;
 constexpr double kMaxStepPx = 1.0;
 constexpr double kMaxSigmaPx = 0.25;
 constexpr double kSaturated = 0.995;
@@ -174,13 +176,21 @@ struct CornerFit {
   double sigma_px = 0, relative_residual = 0;
 };
 
+// Where steps lead that shrink on as the last did from the one before (Aitken).
+Eigen::Vector2d RestOfSteps(const Eigen::Vector2d& before, const Eigen::Vector2d& last) {
+  if (!(before.squaredNorm() > 0)) return {0, 0};
+  const double shrink =
+      std::clamp(last.dot(before) / before.squaredNorm(), -kMostShrink, kMostShrink);
+  return last * (shrink / (1 - shrink));
+}
+
 std::optional<CornerFit> FitCorner(const Image& gray, const BoardPrint& print,
                                    const PixelFootprint& footprint, const LocalView& view,
                                    const Eigen::Vector2d& start_shift, const CornerSearch& search) {
   const int radius = search.window_radius_px;
   const std::vector<WindowPixel> pixels = CollectPixels(gray, view.pixel, radius);
   const double all_pixels = (2.0 * radius + 1) * (2.0 * radius + 1);
-  Eigen::Vector2d shift = start_shift;
+  Eigen::Vector2d shift = start_shift, last_step = {0, 0};
   std::vector<double> window;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     RenderWindow(print, view, footprint, shift, radius, window);
@@ -193,9 +203,12 @@ std::optional<CornerFit> FitCorner(const Image& gray, const BoardPrint& print,
         length > kMaxStepPx ? Eigen::Vector2d(step->shift * (kMaxStepPx / length)) : step->shift;
     if (shift.norm() > search.max_shift_px) return std::nullopt;
     // The residual belongs to the shift before the step: only a small step leaves it valid.
-    if (length < kConvergedPx || (iteration + 1 == kMaxIterations && length < 10 * kConvergedPx)) {
-      return CornerFit{view.pixel + shift, step->sigma_px, step->relative_residual};
+    if (length < (iteration == 0 ? kFirstConvergedPx : kConvergedPx) ||
+        (iteration + 1 == kMaxIterations && length < 10 * kConvergedPx)) {
+      const Eigen::Vector2d rest = RestOfSteps(last_step, step->shift);
+      return CornerFit{view.pixel + shift + rest, step->sigma_px, step->relative_residual};
     }
+    last_step = step->shift;
   }
   return std::nullopt;
 }
@@ -209,11 +222,11 @@ void CheckGray(const Image& gray) {
 
 constexpr std::array<double, 10> kBlursPx = {0, 0.25, 0.4, 0.55, 0.7, 0.9, 1.2, 1.7, 2.6, 4.0};
 
-// The least of a function with one minimum, by golden section, to a fortieth of the interval.
+// The least of a function with one minimum, by golden section, to an eighteenth of the interval.
 template <typename Function>
 double ArgMin(const Function& cost, double low, double high) {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr int kSteps = 8;
+  constexpr int kSteps = 6;
   double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
   double at_left = cost(left), at_right = cost(right);
   for (int step = 1;; ++step) {

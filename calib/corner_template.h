@@ -33,14 +33,15 @@ enum class PixelSampling { kCoarse, kFine };
 /// through the inverse of the blurred box's distribution.
 PixelFootprint MakePixelFootprint(double blur_px, PixelSampling sampling = PixelSampling::kFine);
 
-/// The board's plane as one camera sees it near one board point: the lens to second order (a linear
+/// The board's plane as one camera sees it near one board point: the lens to third order (a linear
 /// one moves corners by some thousandths of a pixel, alike in all pictures), the perspective exact.
 ///
-///   board = board_from_pixel (d - lens_curvature (dx^2, dx dy, dy^2)),  d the offset to `pixel`
+///   board = board_from_pixel (d - lens_bend (dx^2, dx dy, dy^2, dx^3, dx^2 dy, dx dy^2, dy^3)),
+/// d the offset to `pixel`
 struct LocalView {
-  Eigen::Vector2d pixel;                       ///< where the board point appears
-  Eigen::Matrix3d board_from_pixel;            ///< homography to board coordinates, mm
-  Eigen::Matrix<double, 2, 3> lens_curvature;  ///< 1/px
+  Eigen::Vector2d pixel;                  ///< where the board point appears
+  Eigen::Matrix3d board_from_pixel;       ///< homography to board coordinates, mm
+  Eigen::Matrix<double, 2, 7> lens_bend;  ///< 1/px, 1/px^2
 };
 
 /// Near a corner the plate is its tangent plane. No answer when the point or its surroundings do

@@ -15,10 +15,11 @@ constexpr int kMaxIterations = 12;
 // The corners from `first` on in steps of `step`.
 BundleView Thin(const BundleView& view, size_t first, size_t step) {
   BundleView thin = view;
-  thin.points.clear(), thin.pixels.clear(), thin.corners.clear();
+  thin.points.clear(), thin.pixels.clear(), thin.corners.clear(), thin.corner_weights.clear();
   for (size_t i = first; i < view.pixels.size(); i += step) {
     if (!view.points.empty()) thin.points.push_back(view.points[i]);
     if (!view.corners.empty()) thin.corners.push_back(view.corners[i]);
+    if (!view.corner_weights.empty()) thin.corner_weights.push_back(view.corner_weights[i]);
     thin.pixels.push_back(view.pixels[i]);
   }
   return thin;
@@ -34,8 +35,7 @@ bool SeesItsWholePicture(const Camera& camera) {
 }
 
 struct ErrorSum {
-  double squared_px2 = 0;
-  int64_t corners = 0;
+  double squared_px2 = 0, weights = 0;
 };
 
 ErrorSum JudgeView(const Camera& camera, const BundleView& view, double robust_scale_px) {
@@ -43,9 +43,11 @@ ErrorSum JudgeView(const Camera& camera, const BundleView& view, double robust_s
   judged.camera_from_world = AdjustPose(camera, Thin(view, 0, 2), robust_scale_px);
   ErrorSum sum;
   const double most = robust_scale_px * robust_scale_px;
-  for (const auto& error : ReprojectionErrors(camera, judged)) {
-    sum.squared_px2 += error ? std::min(most, error->squaredNorm()) : most;
-    ++sum.corners;
+  const auto errors = ReprojectionErrors(camera, judged);
+  for (size_t i = 0; i < errors.size(); ++i) {
+    const double weight = judged.corner_weights.empty() ? 1 : judged.corner_weights[i];
+    sum.squared_px2 += weight * (errors[i] ? std::min(most, errors[i]->squaredNorm()) : most);
+    sum.weights += weight;
   }
   return sum;
 }
@@ -74,7 +76,7 @@ ErrorSum JudgePart(const JointBundle& bundle, size_t part, double robust_scale_p
     }
     const ErrorSum of_view = JudgeView(result.cameras[view.camera], view, robust_scale_px);
     sum.squared_px2 += of_view.squared_px2;
-    sum.corners += of_view.corners;
+    sum.weights += of_view.weights;
   }
   return sum;
 }
@@ -104,9 +106,9 @@ double HeldoutRms(const JointBundle& bundle, double robust_scale_px, FoldingLens
   ErrorSum total;
   for (const ErrorSum& sum : sums) {
     total.squared_px2 += sum.squared_px2;
-    total.corners += sum.corners;
+    total.weights += sum.weights;
   }
-  return total.corners > 0 ? std::sqrt(total.squared_px2 / static_cast<double>(total.corners)) : 0;
+  return total.weights > 0 ? std::sqrt(total.squared_px2 / total.weights) : 0;
 }
 
 }  // namespace lfm

@@ -23,7 +23,8 @@ JointBundle SpreadBundle(const JointBundle& bundle, size_t most_views, size_t mo
 /// How well a model explains corners kept out of its fit, by cross-validation in four parts:
 /// cameras, platform and poses are adjusted to three parts of the views; each view of the fourth is
 /// then posed by every other of its corners, all else held, and the error of the rest counts
-/// (squared, at most `robust_scale_px` each). Returns sqrt(mean(dx^2 + dy^2)), px; 0 when nothing
+/// (squared, at most `robust_scale_px` each, by the corners' weights). Returns sqrt(mean(dx^2 +
+/// dy^2)), px; 0 when nothing
 /// was kept out; infinity, with kNoModel, when a fitted camera folds over inside its picture.
 enum class FoldingLens { kAllowed, kNoModel };
 double HeldoutRms(const JointBundle& bundle, double robust_scale_px,

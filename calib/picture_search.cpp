@@ -81,6 +81,27 @@ CalibPicture SearchAndPose(CalibPicture picture, const Image& gray, const BoardP
   return picture;
 }
 
+std::vector<double> WeighCorners(const std::vector<CornerObservation>& corners) {
+  constexpr double kLeastVariance = 0.25;  // of the median
+  std::vector<double> variances;
+  for (const CornerObservation& c : corners) variances.push_back(c.sigma_px * c.sigma_px);
+  if (variances.empty()) return {};
+  std::vector<double> sorted = variances;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  // Exact corners, and those whose fit was not asked, weigh alike.
+  const double least = kLeastVariance * *middle;
+  if (!(least > 0)) return {};
+  std::vector<double> weights;
+  double sum = 0;
+  for (const double variance : variances) {
+    weights.push_back(1 / std::max(least, variance));
+    sum += weights.back();
+  }
+  for (double& w : weights) w *= static_cast<double>(weights.size()) / sum;
+  return weights;
+}
+
 }  // namespace
 
 BundleView ViewOfCorners(const CalibPicture& picture,
@@ -92,6 +113,7 @@ BundleView ViewOfCorners(const CalibPicture& picture,
     view.pixels.push_back(observation.pixel);
     view.corners.push_back(observation.corner);
   }
+  view.corner_weights = WeighCorners(picture.corners);
   return view;
 }
 
@@ -136,6 +158,11 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
     if (start == StartQuality::kRough) {
       picture = SearchAndPose(std::move(picture), BlurGray(gray, kRoughBlurPx), print, corners,
                               positions, camera, kRoughSearch, options.robust_scale_px);
+      picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
+                                     picture.corners, kFineSearch);
+    }
+    // Where the lens is known, what looked like blur is often its distortion.
+    if (start == StartQuality::kGood) {
       picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
                                      picture.corners, kFineSearch);
     }

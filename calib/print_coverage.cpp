@@ -181,11 +181,11 @@ double ShareBehindLine(const PixelProfile& profile, const Eigen::Vector2d& row, 
   return std::clamp(share, 0.0, 1.0);
 }
 
-double PixelOfCross(const PrintCross& cross, const Eigen::Matrix2d& slope,
-                    const PixelProfile& profile) {
+double PixelOfCross(const PrintCross& cross, const PlateSlope& slope, const PixelProfile& profile) {
+  const Eigen::Vector2d &x = cross.x_axis, y(-x.y(), x.x());
   Eigen::Matrix2d rows;
-  rows.row(0) = cross.x_axis.transpose() * slope;
-  rows.row(1) = Eigen::Vector2d(-cross.x_axis.y(), cross.x_axis.x()).transpose() * slope;
+  rows.row(0) = x.transpose() * slope.mm_per_px - cross.offset_mm.x() * slope.nearing.transpose();
+  rows.row(1) = y.transpose() * slope.mm_per_px - cross.offset_mm.y() * slope.nearing.transpose();
   const auto& v = cross.value;
   const double below_x = ShareBehindLine(profile, rows.row(0), cross.offset_mm.x());
   const double below_y = ShareBehindLine(profile, rows.row(1), cross.offset_mm.y());

@@ -32,10 +32,16 @@ class PixelProfile {
 /// Share of a pixel's light from where row . o < distance, o the offset in pixels: closed form.
 double ShareBehindLine(const PixelProfile& profile, const Eigen::Vector2d& row, double distance);
 
+/// Where the plate's points lie round the one in a pixel's middle: at the offset o (px)
+///   mm_per_px o / (1 + nearing . o).
+struct PlateSlope {
+  Eigen::Matrix2d mm_per_px;
+  Eigen::Vector2d nearing = {0, 0};  ///< relative change of the reciprocal depth, 1/px
+};
+
 /// Mean value that a pixel sees of a print as `cross` says it is all round: exact without blur or
-/// where one line passes, within 0.003 (RMS; 0.015 at most) where two do. `slope`: mm on the plate
-/// a pixel.
-double PixelOfCross(const PrintCross& cross, const Eigen::Matrix2d& slope,
-                    const PixelProfile& profile);
+/// where one line passes, within 0.003 (RMS; 0.015 at most) where two do. Lines are straight in the
+/// picture, too: perspective takes nothing from that.
+double PixelOfCross(const PrintCross& cross, const PlateSlope& slope, const PixelProfile& profile);
 
 }  // namespace lfm

@@ -118,9 +118,9 @@ TEST(Calibrate, SetsAsideWhatCannotBeUsedWithTheReason) {
   for (BoardTag& tag : reversed.tags) tag.id = 23 - tag.id;
   const Camera& camera = rendered.camera;
   rendered.pictures[4] = Image(480, 360, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  rendered.pictures[5] = RenderBoard(BoardPrint(other), camera, rendered.poses[5]);
+  rendered.pictures[5] = RenderBoard(other, camera, rendered.poses[5]);
   rendered.pictures[6] = Image(640, 360, 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  const Image turned = RenderBoard(BoardPrint(reversed), camera, rendered.poses[7]);
+  const Image turned = RenderBoard(reversed, camera, rendered.poses[7]);
   for (int y = 0; y < 360; ++y) {
     for (int x = 240; x < 480; ++x) {
       for (int c = 0; c < 3; ++c) {
@@ -131,7 +131,7 @@ TEST(Calibrate, SetsAsideWhatCannotBeUsedWithTheReason) {
   Board larger = DefaultBoard();
   larger.tag_size_mm = 26;
   larger.checker_columns = larger.checker_rows = 0;
-  rendered.pictures[10] = RenderBoard(BoardPrint(larger), camera, rendered.poses[10]);
+  rendered.pictures[10] = RenderBoard(larger, camera, rendered.poses[10]);
   const ImageLoader in_memory = rendered.Loader();
   const ImageLoader loader = [&](const std::string& file) -> Image {
     if (file == "photo_8.png") throw Error("photo_8.png: missing");

@@ -34,7 +34,7 @@ CalibResult CalibrateAll(const RenderedCapture& rendered, const Board& board = D
 }
 
 RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses) {
-  return RenderPoses(board, poses, static_cast<int>(poses.size()), {.subsamples = 4});
+  return RenderPoses(board, poses, static_cast<int>(poses.size()), {});
 }
 
 void Paste(const Image& from, int from_x, Image& to, int to_x, int columns) {
@@ -88,12 +88,12 @@ TEST(CalibrateTrouble, UsesWhatStillGivesSomethingAndNamesTheRest) {
   pictures[kBlurredALittle] = BlurredSideways(pictures[kBlurredALittle], 1);
   pictures[kBlurredAway] = BlurredSideways(pictures[kBlurredAway], 25);
   // A second print of a few tags lies left of the platform: the larger part counts.
-  const Image copy = RenderBoard(BoardPrint(board), rendered.camera,
-                                 LookAt({200, -250, 250}, {140, 0, 0}, {0, 0, 1}));
+  const Image copy =
+      RenderBoard(board, rendered.camera, LookAt({200, -250, 250}, {140, 0, 0}, {0, 0, 1}));
   Paste(copy, 0, pictures[kDuplicated], 0, 90);
   Board other = board;
   for (size_t i = 0; i < other.tags.size(); ++i) other.tags[i].id = static_cast<int>(i * 7 % 24);
-  pictures[kOtherBoard] = RenderBoard(BoardPrint(other), rendered.camera, poses[kOtherBoard]);
+  pictures[kOtherBoard] = RenderBoard(other, rendered.camera, poses[kOtherBoard]);
 
   const CalibResult result = CalibrateAll(rendered);
   const auto reason = [&](int i) { return ReasonOf(result, rendered.capture.photos[i].id); };
@@ -228,12 +228,11 @@ TEST(CalibrateTrouble, SeveralCamerasShareOnePlatform) {
   RenderedCapture rendered = RenderCapture(DefaultBoard(), 10, 0);
   Camera other = rendered.camera;
   other.fx = other.fy = 470, other.cx = 238, other.k1 = 0.03, other.k2 = 0;
-  const BoardPrint print(DefaultBoard());
   rendered.capture.cameras["other"] = {480, 360, {}};
   rendered.capture.cameras["known"] = {480, 360, other};
   for (int i = 0; i < 10; i += 2) {
     rendered.capture.photos[i].camera = i < 8 ? "other" : "known";
-    rendered.pictures[i] = RenderBoard(print, other, rendered.poses[i]);
+    rendered.pictures[i] = RenderBoard(DefaultBoard(), other, rendered.poses[i]);
   }
   const CalibResult result = CalibrateAll(rendered);
   ASSERT_EQ(result.cameras.size(), 3u);

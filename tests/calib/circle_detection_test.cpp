@@ -60,8 +60,7 @@ TEST(ViewCircle, IsTheConicOfProjectedPoints) {
 // not modelled having been left out of the picture.
 double CheckFound(const Board& board, const Camera& camera, const Pose& pose,
                   RenderSettings settings) {
-  settings.subsamples = 4;
-  const Image picture = RenderBoard(BoardPrint(board), camera, pose, settings);
+  const Image picture = RenderBoard(board, camera, pose, settings);
   const std::vector<DetectedCircle> seen = DetectCircles(picture);
   const Eigen::Matrix3d h = PixelFromBoard(camera, pose);
   double squared = 0;
@@ -118,7 +117,7 @@ TEST(DetectCircles, FindsAllUnderBlurWhiteBalanceAndDimLight) {
 
 TEST(DetectCircles, FindsNothingWhereThereIsNone) {
   const Pose pose = PosesAround(4)[1];
-  EXPECT_TRUE(DetectCircles(RenderBoard(BoardPrint(DefaultBoard()), SmallCamera(), pose)).empty());
+  EXPECT_TRUE(DetectCircles(RenderBoard(DefaultBoard(), SmallCamera(), pose)).empty());
   EXPECT_TRUE(DetectCircles(Image(64, 64, 3, PixelType::kUint8, ColorEncoding::kSrgb)).empty());
   EXPECT_TRUE(DetectCircles(Image(64, 64, 1, PixelType::kUint8, ColorEncoding::kSrgb)).empty());
   EXPECT_TRUE(DetectCircles(Image(4, 1, 3, PixelType::kUint8, ColorEncoding::kSrgb)).empty());
@@ -265,7 +264,7 @@ TEST(CirclesAreAmbiguous, KnowsTurnsAndLines) {
 
 TEST(ChooseMatch, FollowsTheSearchThatIsAskedFor) {
   const Board board = CircleBoard();
-  const Image picture = RenderBoard(BoardPrint(board), SmallCamera(), PosesAround(5)[1]);
+  const Image picture = RenderBoard(board, SmallCamera(), PosesAround(5)[1]);
   const auto circles_of = [&](std::variant<BoardMatch, BoardMismatch> tags, BoardSearch search) {
     const auto match = ChooseMatch(std::move(tags), board, picture, search);
     const auto* found = std::get_if<BoardMatch>(&match);

@@ -61,7 +61,7 @@ class CornerRefinement : public testing::Test {
 TEST_F(CornerRefinement, FindsTagAndCheckerCornersToAFewHundredths) {
   ASSERT_EQ(corners_.size(), 24u * 4 + 81);
   for (const Pose& pose : PosesAround(4)) {
-    const Image gray = LinearGray(RenderBoard(print_, camera_, pose));
+    const Image gray = LinearGray(RenderBoard(board_, camera_, pose));
     const Accuracy accuracy =
         Measure(Find(gray, Disturbed(pose), {.max_shift_px = 3}), corners_, camera_, pose);
     EXPECT_GE(accuracy.corners, 130u);
@@ -69,6 +69,27 @@ TEST_F(CornerRefinement, FindsTagAndCheckerCornersToAFewHundredths) {
     EXPECT_LT(accuracy.bias_px.norm(), kRefinedBias_abs_px) << accuracy.bias_px.transpose();
     EXPECT_LT(accuracy.worst_px, kRefinedWorst_abs_px);
   }
+}
+
+// What is left of the start would be left alike in all corners of a picture.
+TEST_F(CornerRefinement, ForgetsWhereItStarted) {
+  const Image gray = LinearGray(RenderBoard(board_, camera_, pose_));
+  const auto there = Find(gray, pose_);
+  Pose beside = pose_;
+  beside.translation += Eigen::Vector3d(0.06, -0.04, 0);  // a tenth of a pixel
+  const auto again = Find(gray, beside);
+  ASSERT_GE(there.size(), 130u);
+  ASSERT_EQ(again.size(), there.size());
+  Eigen::Vector2d mean = {0, 0};
+  double square = 0;
+  for (size_t i = 0; i < there.size(); ++i) {
+    ASSERT_EQ(again[i].corner, there[i].corner);
+    const Eigen::Vector2d moved = again[i].pixel - there[i].pixel;
+    mean += moved / static_cast<double>(there.size());
+    square += moved.squaredNorm() / static_cast<double>(there.size());
+  }
+  EXPECT_LT(mean.norm(), 5e-4) << mean.transpose();
+  EXPECT_LT(std::sqrt(square), 1.5e-3);
 }
 
 // A picture drawn without any renderer: each pixel of a head-on view at 4 px/mm covers a known
@@ -97,7 +118,7 @@ TEST_F(CornerRefinement, DrawnBoardGivesEveryCornerWithinATwentieth) {
 }
 
 TEST_F(CornerRefinement, BlurIsEstimatedAndDoesNotMoveCorners) {
-  const Image sharp = LinearGray(RenderBoard(print_, camera_, pose_));
+  const Image sharp = LinearGray(RenderBoard(board_, camera_, pose_));
   const auto observed = Find(sharp, pose_);
   EXPECT_LE(EstimateBlur(sharp, print_, corners_, camera_, pose_, observed, {}), 0.25);
   const Image blurred = BlurGray(sharp, 1.2);
@@ -116,8 +137,7 @@ TEST_F(CornerRefinement, BlurIsEstimatedAndDoesNotMoveCorners) {
 TEST_F(CornerRefinement, TagsAreNeitherShrunkNorGrown) {
   constexpr double kPull_abs_px = 0.003;
   const Camera camera = ScaleCamera(camera_, 1.5);
-  const Image sharp =
-      LinearGray(RenderBoard(print_, camera, pose_, {.subsamples = 8, .full_well = 0}));
+  const Image sharp = LinearGray(RenderBoard(board_, camera, pose_, {.full_well = 0}));
   for (const double blur_px : {0.0, 0.33}) {
     const Image gray = blur_px > 0 ? BlurGray(sharp, blur_px) : sharp;
     const auto rough = FindCorners(gray, print_, corners_, camera, pose_, {});
@@ -140,7 +160,7 @@ TEST_F(CornerRefinement, TagsAreNeitherShrunkNorGrown) {
 }
 
 TEST_F(CornerRefinement, ComesFromFourPixelsAwayWhenBlurred) {
-  const Image gray = LinearGray(RenderBoard(print_, camera_, pose_));
+  const Image gray = LinearGray(RenderBoard(board_, camera_, pose_));
   Pose far = pose_;
   far.translation += Eigen::Vector3d(1.6, 1.0, 0);
   const Image blurred = BlurGray(gray, 1.5);
@@ -162,8 +182,8 @@ TEST_F(CornerRefinement, FollowsTheShapeOfThePlatform) {
     moved.tags[t].center_mm += shift;
     for (int c = 0; c < 4; ++c) shape.shifts_mm[4 * t + c] = shift;
   }
-  const Image gray = LinearGray(
-      RenderBoard(BoardPrint(moved), camera_, pose_, {.bend_per_mm = shape.bend_per_mm}));
+  const Image gray =
+      LinearGray(RenderBoard(moved, camera_, pose_, {.bend_per_mm = shape.bend_per_mm}));
   const std::vector<CornerPlace> places = PlaceCornersOfMovedTags(board_, shape);
   const auto found =
       FindCorners(gray, BoardPrint(MoveTags(board_, shape)), places, camera_, pose_, {});
@@ -175,8 +195,8 @@ TEST_F(CornerRefinement, FollowsTheShapeOfThePlatform) {
 }
 
 TEST_F(CornerRefinement, HiddenCornersAreLeftOut) {
-  const Image open = RenderBoard(print_, camera_, pose_);
-  const Image hidden = RenderBoard(print_, camera_, pose_, {.hidden_share = 0.4});
+  const Image open = RenderBoard(board_, camera_, pose_);
+  const Image hidden = RenderBoard(board_, camera_, pose_, {.hidden_share = 0.4});
   const auto found = Find(LinearGray(hidden), pose_);
   EXPECT_LT(found.size(), Find(LinearGray(open), pose_).size());
   EXPECT_GE(found.size(), 60u);
@@ -189,7 +209,7 @@ TEST_F(CornerRefinement, HiddenCornersAreLeftOut) {
 }
 
 TEST_F(CornerRefinement, WrongPoseBlankAndSaturatedPicturesGiveNothing) {
-  const Image picture = LinearGray(RenderBoard(print_, camera_, pose_));
+  const Image picture = LinearGray(RenderBoard(board_, camera_, pose_));
   EXPECT_LE(Find(picture, PosesAround(4)[3]).size(), 8u);
   Image flat(480, 360, 1, PixelType::kFloat32, ColorEncoding::kLinear);
   for (const float value : {0.0f, 0.5f, 1.0f, std::numeric_limits<float>::quiet_NaN()}) {

@@ -141,11 +141,49 @@ TEST(PixelOfCross, IsTheAreaOfItsFields) {
           expected += cross.value[field / 2][field % 2] * Area(part) / places;
         }
       }
-      const double error = PixelOfCross(cross, slope, profile) - expected;
+      const double error = PixelOfCross(cross, {slope}, profile) - expected;
       EXPECT_NEAR(error, 0, blur > 0 ? 0.03 : 4e-3);  // the oracle's own: 0.3 / sqrt(2000)
       square += error * error;
     }
     EXPECT_LT(std::sqrt(square / kTrials), blur > 0 ? 8e-3 : 1e-3) << blur;
+  }
+}
+
+// Perspective much stronger than any picture's: a tenth a pixel.
+TEST(PixelOfCross, SeesStraightLinesInPerspective) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> shear(-0.3, 0.3), turn(0, 6.3), near(-0.1, 0.1);
+  for (const double blur : {0.0, 0.3}) {
+    const PixelProfile profile(blur);
+    const Places places = DensePlaces(profile);
+    double square = 0, affine = 0;
+    constexpr int kTrials = 100;
+    for (int i = 0; i < kTrials; ++i) {
+      PrintCross cross;
+      const double angle = turn(random);
+      cross.x_axis = {std::cos(angle), std::sin(angle)};
+      cross.offset_mm = {shear(random), shear(random)};
+      cross.value[0][0] = cross.value[1][1] = 1;
+      cross.value[0][1] = 0;
+      cross.value[1][0] = i % 2;
+      PlateSlope slope;
+      slope.mm_per_px << 0.7, shear(random), shear(random), -0.5;
+      slope.nearing = {near(random), near(random)};
+      double seen = 0;
+      for (size_t k = 0; k < places.x.size(); ++k) {
+        const Eigen::Vector2d o(places.x[k], places.y[k]);
+        const Eigen::Vector2d p = slope.mm_per_px * o / (1 + slope.nearing.dot(o));
+        const int x = p.dot(cross.x_axis) < cross.offset_mm.x() ? 0 : 1;
+        const int y =
+            cross.x_axis.x() * p.y() - cross.x_axis.y() * p.x() < cross.offset_mm.y() ? 0 : 1;
+        seen += cross.value[x][y] / static_cast<double>(places.x.size());
+      }
+      const double error = PixelOfCross(cross, slope, profile) - seen;
+      EXPECT_NEAR(error, 0, blur > 0 ? 0.015 : 5e-3) << blur;
+      square += error * error;
+      affine += std::pow(PixelOfCross(cross, {slope.mm_per_px}, profile) - seen, 2);
+    }
+    EXPECT_LT(square, 0.25 * affine) << blur;
   }
 }
 
@@ -174,7 +212,7 @@ TEST(PixelOfCross, IsWhatManyPlacesOfThePrintShow) {
       if (!cross) continue;
       ++answered;
       const double seen = print.MeanValue(center, slope, places.x, places.y);
-      const double error = PixelOfCross(*cross, slope, profile) - seen;
+      const double error = PixelOfCross(*cross, {slope}, profile) - seen;
       EXPECT_NEAR(error, 0, 0.03) << center.transpose() << " blur " << blur;
       square += error * error;
     }

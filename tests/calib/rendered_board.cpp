@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <utility>
 
+#include "area_canvas.h"
 #include "calib/corner_refinement.h"
+#include "calib/tag_family.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -15,110 +19,179 @@ namespace {
 
 constexpr double kInk = 0.05, kPaper = 0.8, kBackground = 0.25, kObject = 0.1;
 
-// Where the rays through the pixel corners meet a plate, and how far away; interpolated inside a
-// pixel.
-struct PlateView {
-  const BoardPrint* print = nullptr;
-  bool from_behind = false;
-  std::vector<Eigen::Vector3d> at_corners;  // x, y on the plate, distance
+// Longer edges are drawn in pieces: lens and bend curve them.
+constexpr double kPieceMm = 0.25, kTileMm = 10;
+
+// A picture of one plate: what share of each pixel it covers, and what light that share sends.
+struct PlatePicture {
+  AreaCanvas covered;
+  std::vector<AreaCanvas> light;  // red, green, blue
+  Pose plate_from_camera;
 };
 
-// Where a ray from `eye` through a flat plate's point `p` meets the bent one: its slope is small,
-// each round gains a digit or more.
-Eigen::Vector2d OntoBend(Eigen::Vector2d p, const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
-                         const Eigen::Vector3d& bend) {
-  for (int round = 0; round < 12 && p.norm() <= 500; ++round) {
-    const double height = bend.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
-    p = (eye + (height - eye.z()) / ray.z() * ray).head<2>();
-  }
-  return p;
-}
+// Draws onto the picture of one plate.
+class PlatePainter {
+ public:
+  PlatePainter(const Camera& camera, const Pose& camera_from_plate, const Eigen::Vector3d& bend)
+      : camera_(camera), camera_from_plate_(camera_from_plate), bend_(bend) {}
 
-PlateView ViewPlate(const BoardPrint::Plate& plate, const Camera& camera,
-                    const Pose& camera_from_world, const Eigen::Vector3d& bend) {
-  const Pose plate_from_camera = (camera_from_world * plate.world_from_plate).Inverse();
-  const Eigen::Vector3d& eye = plate_from_camera.translation;
-  PlateView view{plate.print, eye.z() <= 0, {}};
-  view.at_corners.resize(static_cast<size_t>(camera.width + 1) * (camera.height + 1));
-  ParallelFor(0, camera.height + 1, [&](int64_t y) {
-    for (int x = 0; x <= camera.width; ++x) {
-      const Eigen::Vector3d ray =
-          plate_from_camera.rotation * Unproject(camera, {x - 0.5, static_cast<double>(y) - 0.5});
-      // Rays that miss the plane look far beyond the plate.
-      const double t = ray.z() * eye.z() < -1e-6 * std::abs(eye.z()) ? -eye.z() / ray.z() : 1e9;
-      Eigen::Vector2d p = (eye + t * ray).head<2>();
-      if (t < 1e9 && !bend.isZero(0)) p = OntoBend(p, eye, ray, bend);
-      view.at_corners[static_cast<size_t>(y) * (camera.width + 1) + x] = {p.x(), p.y(), t};
+  /// The outline in the picture; empty when a part of it is not in front of the lens.
+  std::vector<Eigen::Vector2d> Outline(const std::vector<Eigen::Vector2d>& corners) const {
+    std::vector<Eigen::Vector2d> outline;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % corners.size()];
+      const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / kPieceMm)));
+      for (int k = 0; k < pieces; ++k) {
+        const Eigen::Vector2d p = a + k * (b - a) / pieces;
+        const double height =
+            bend_.dot(Eigen::Vector3d(p.x() * p.x(), p.x() * p.y(), p.y() * p.y()));
+        const auto pixel =
+            Project(camera_, camera_from_plate_ * Eigen::Vector3d(p.x(), p.y(), height));
+        if (!pixel) return {};
+        outline.push_back(*pixel);
+      }
     }
-  });
-  return view;
+    return outline;
+  }
+
+ private:
+  const Camera& camera_;
+  const Pose camera_from_plate_;
+  const Eigen::Vector3d bend_;
+};
+
+std::vector<Eigen::Vector2d> Rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }
 
-Eigen::Vector3d Reflected(const std::vector<PlateView>& views, const Camera& camera, int x, int y,
-                          double u, double v) {
-  const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
+// Everything black that is printed on a plate, in squares.
+std::vector<std::vector<Eigen::Vector2d>> InkSquares(const Board& board) {
+  std::vector<std::vector<Eigen::Vector2d>> squares;
+  const TagFamily family(board.family, board.border_cells, board.name);
+  const double cell = board.tag_size_mm / family.cells_per_side();
+  const int across = family.cells_across();
+  for (const BoardTag& tag : board.tags) {
+    const std::vector<uint8_t> cells = family.Cells(tag.id);
+    const Eigen::Vector2d right(std::cos(tag.rotation), std::sin(tag.rotation));
+    const Eigen::Vector2d up(-right.y(), right.x());
+    for (int i = 0; i < across * across; ++i) {
+      if (cells[static_cast<size_t>(i)] != 0) continue;
+      std::vector<Eigen::Vector2d> square;
+      for (const auto& [x, y] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+        square.emplace_back(tag.center_mm + cell * ((i % across + x - across / 2.0) * right +
+                                                    (across / 2.0 - i / across - y) * up));
+      }
+      squares.push_back(square);
+    }
+  }
+  for (const BoardSquare& s : board.squares) {
+    const Eigen::Vector2d half = Eigen::Vector2d::Constant(s.size_mm / 2);
+    squares.push_back(Rectangle(s.center_mm - half, s.center_mm + half));
+  }
+  const Eigen::Vector2d first =
+      -board.checker_square_mm / 2 * Eigen::Vector2d(board.checker_columns, board.checker_rows);
+  for (int y = 0; y < board.checker_rows; ++y) {
+    for (int x = y % 2; x < board.checker_columns; x += 2) {
+      const Eigen::Vector2d low = first + board.checker_square_mm * Eigen::Vector2d(x, y);
+      squares.push_back(Rectangle(low, low + Eigen::Vector2d::Constant(board.checker_square_mm)));
+    }
+  }
+  return squares;
+}
+
+std::vector<Eigen::Vector2d> Disc(const BoardCircle& circle) {
+  constexpr int kCorners = 256;
+  std::vector<Eigen::Vector2d> disc;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCorners;
+    disc.emplace_back(circle.center_mm +
+                      circle.diameter_mm / 2 * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return disc;
+}
+
+PlatePicture PaintPlate(const BoardPlate& plate, const Camera& camera,
+                        const Pose& camera_from_world, const Eigen::Vector3d& bend) {
+  const AreaCanvas empty(camera.width, camera.height);
+  const Pose camera_from_plate = camera_from_world * plate.world_from_plate;
+  PlatePicture picture{empty, {3, empty}, camera_from_plate.Inverse()};
+  const PlatePainter painter(camera, camera_from_plate, bend);
+  const Board& board = *plate.board;
+  const bool from_behind = picture.plate_from_camera.translation.z() <= 0;
+  const double paper = from_behind ? kBackground : kPaper;
+  const int columns = static_cast<int>(std::ceil(board.width_mm / kTileMm));
+  const int rows = static_cast<int>(std::ceil(board.height_mm / kTileMm));
+  const Eigen::Vector2d tile(board.width_mm / columns, board.height_mm / rows);
+  for (int i = 0; i < columns * rows; ++i) {
+    const Eigen::Vector2d low = Eigen::Vector2d(i % columns, i / columns).cwiseProduct(tile) -
+                                Eigen::Vector2d(board.width_mm, board.height_mm) / 2;
+    const auto outline = painter.Outline(Rectangle(low, low + tile));
+    picture.covered.Add(outline, 1);
+    for (AreaCanvas& channel : picture.light) channel.Add(outline, paper);
+  }
+  if (from_behind) return picture;
+  for (const auto& square : InkSquares(board)) {
+    const auto outline = painter.Outline(square);
+    for (AreaCanvas& channel : picture.light) channel.Add(outline, kInk - kPaper);
+  }
+  for (const BoardCircle& circle : board.circles) {
+    const auto outline = painter.Outline(Disc(circle));
+    const Eigen::Vector3f color = CircleReflectance(circle.color);
+    for (int c = 0; c < 3; ++c) {
+      picture.light[c].Add(outline, (kPaper - kInk) * (color[c] - 1.0));
+    }
+  }
+  return picture;
+}
+
+// How far away the plate is where a pixel looks.
+double DistanceAlong(const PlatePicture& picture, const Eigen::Vector3d& ray) {
+  const double along = (picture.plate_from_camera.rotation * ray).z();
+  const double distance = -picture.plate_from_camera.translation.z() / along;
+  return distance > 0 ? distance : 1e9;
+}
+
+Eigen::Vector3d Reflected(const std::vector<PlatePicture>& pictures, const Camera& camera, int x,
+                          int y) {
+  std::vector<std::pair<double, const PlatePicture*>> order;
+  for (const PlatePicture& picture : pictures) {
+    if (picture.covered.At(x, y) <= 0) continue;
+    const double distance =
+        pictures.size() == 1 ? 0 : DistanceAlong(picture, Unproject(camera, Eigen::Vector2d(x, y)));
+    order.emplace_back(-distance, &picture);
+  }
+  std::ranges::sort(order);
   Eigen::Vector3d color = Eigen::Vector3d::Constant(kBackground);
-  double nearest = 1e8;
-  for (const PlateView& view : views) {
-    const std::vector<Eigen::Vector3d>& c = view.at_corners;
-    const Eigen::Vector3d p = (1 - v) * ((1 - u) * c[i] + u * c[i + 1]) +
-                              v * ((1 - u) * c[i + camera.width + 1] + u * c[i + camera.width + 2]);
-    if (!(p.z() < nearest)) continue;
-    const auto print = view.print->Color(p.head<2>());
-    if (!print) continue;
-    nearest = p.z();
-    color = Eigen::Vector3d::Constant(view.from_behind ? kBackground : kInk);
-    if (!view.from_behind) color += (kPaper - kInk) * print->cast<double>();
+  for (const auto& [distance, picture] : order) {
+    color *= 1 - picture->covered.At(x, y);
+    for (int c = 0; c < 3; ++c) color[c] += picture->light[c].At(x, y);
   }
   return color;
 }
 
-// Whether all of a pixel shows one paper or ink, as far as it is easily seen.
-bool IsUniform(const std::vector<PlateView>& views, const Camera& camera, int x, int y) {
-  if (views.size() != 1) return false;
-  const std::vector<Eigen::Vector3d>& c = views[0].at_corners;
-  const size_t i = static_cast<size_t>(y) * (camera.width + 1) + x;
-  const size_t below = i + camera.width + 1;
-  const Eigen::Vector2d middle = (c[i] + c[i + 1] + c[below] + c[below + 1]).head<2>() / 4;
-  double reach = 0;
-  for (const size_t corner : {i, i + 1, below, below + 1}) {
-    reach = std::max(reach, (c[corner].head<2>() - middle).norm());
-  }
-  return views[0].print->UniformRadius(middle) > reach;
-}
-
-std::vector<Eigen::Vector3d> RenderLinear(const BoardPrint& print, const Camera& camera,
+std::vector<Eigen::Vector3d> RenderLinear(const Board& board, const Camera& camera,
                                           const Pose& camera_from_world,
                                           const RenderSettings& settings) {
-  std::vector<PlateView> views;
-  for (int plate = 0; plate < print.Plates(); ++plate) {
+  const std::vector<BoardPlate> plates = PlatesOf(board);
+  std::vector<std::optional<PlatePicture>> painted(plates.size());
+  ParallelFor(0, static_cast<int64_t>(plates.size()), [&](int64_t i) {
     // Attached boards are stiff.
-    const Eigen::Vector3d bend = plate == 0 ? settings.bend_per_mm : Eigen::Vector3d::Zero();
-    views.push_back(ViewPlate(print.PlateAt(plate), camera, camera_from_world, bend));
-  }
-  const int n = settings.subsamples;
+    const Eigen::Vector3d bend = i == 0 ? settings.bend_per_mm : Eigen::Vector3d::Zero();
+    painted[i] = PaintPlate(plates[i], camera, camera_from_world, bend);
+  });
+  std::vector<PlatePicture> pictures;
+  for (auto& picture : painted) pictures.push_back(std::move(*picture));
   std::vector<Eigen::Vector3d> linear(static_cast<size_t>(camera.width) * camera.height);
-  ParallelFor(0, camera.height, [&](int64_t row) {
-    const int y = static_cast<int>(row);
+  for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      Eigen::Vector3d value = Reflected(views, camera, x, y, 0.5, 0.5);
-      if (!IsUniform(views, camera, x, y)) {
-        value.setZero();
-        // Every place has a column and a row of its own: edges along either lose nothing.
-        for (int i = 0; i < n; ++i) {
-          for (int j = 0; j < n; ++j) {
-            const double u = (i + (j + 0.5) / n) / n, v = (j + (i + 0.5) / n) / n;
-            value += Reflected(views, camera, x, y, u, v) / (n * n);
-          }
-        }
-      }
+      Eigen::Vector3d value = Reflected(pictures, camera, x, y);
       value *= 1 + settings.light_gradient * (static_cast<double>(x) / camera.width - 0.5);
       const double ex = (x - camera.width / 2.0) / (camera.width / 2.0);
       const double ey = (y - camera.height / 2.0) / (camera.height / 2.0);
       if (std::hypot(ex, ey) < settings.hidden_share) value.setConstant(kObject);
       linear[static_cast<size_t>(y) * camera.width + x] = value.cwiseProduct(settings.gains);
     }
-  });
+  }
   return linear;
 }
 
@@ -135,9 +208,9 @@ void Blur(std::vector<Eigen::Vector3d>& linear, const Camera& camera, double blu
 
 }  // namespace
 
-Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
+Image RenderBoard(const Board& board, const Camera& camera, const Pose& camera_from_world,
                   const RenderSettings& settings) {
-  std::vector<Eigen::Vector3d> linear = RenderLinear(print, camera, camera_from_world, settings);
+  std::vector<Eigen::Vector3d> linear = RenderLinear(board, camera, camera_from_world, settings);
   if (settings.blur_px > 0) Blur(linear, camera, settings.blur_px);
   Image picture(camera.width, camera.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   ParallelFor(0, camera.height, [&](int64_t row) {
@@ -208,11 +281,10 @@ RenderedCapture RenderPoses(const Board& board, const std::vector<Pose>& poses, 
   rendered.capture.name = "rendered";
   rendered.capture.board = "board.json";
   rendered.capture.cameras["photo"] = {camera.width, camera.height, {}};
-  const BoardPrint print(board);
   for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
     RenderSettings settings = all_settings;
     settings.seed += static_cast<uint32_t>(i);
-    rendered.pictures.push_back(RenderBoard(print, camera, poses[i], settings));
+    rendered.pictures.push_back(RenderBoard(board, camera, poses[i], settings));
     Photo photo;
     photo.id = "photo_" + std::to_string(i);
     photo.file = photo.id + ".png";

@@ -16,7 +16,6 @@ namespace lfm {
 
 /// What the test's photographer does beside pointing the camera.
 struct RenderSettings {
-  int subsamples = 12;       ///< along each side of a pixel that holds an edge
   double full_well = 20000;  ///< electrons at linear 1; 0: no noise
   double read_noise = 5;     ///< electrons
   uint32_t seed = 1;
@@ -28,8 +27,8 @@ struct RenderSettings {
 };
 
 /// An 8-bit sRGB picture of the printed plate, and of those attached to it, before a gray
-/// background: ink 0.05, paper 0.8.
-Image RenderBoard(const BoardPrint& print, const Camera& camera, const Pose& camera_from_world,
+/// background: ink 0.05, paper 0.8. Pixels see exact areas of the print.
+Image RenderBoard(const Board& board, const Camera& camera, const Pose& camera_from_world,
                   const RenderSettings& settings = {});
 
 /// A lens of 480 x 360 pixels with distortion, principal point off the middle.
