@@ -23,7 +23,7 @@ void CheckStart(const JointBundle& bundle) {
   for (const BundleView& view : bundle.views) {
     finite = finite && view.camera_from_world.rotation.allFinite() &&
              view.camera_from_world.translation.allFinite() && std::isfinite(view.weight);
-    for (const double w : view.corner_weights) finite = finite && std::isfinite(w);
+    for (const Eigen::Matrix2d& w : view.corner_weights) finite = finite && w.allFinite();
     for (const Eigen::Vector3d& p : view.points) finite = finite && p.allFinite();
     for (const Eigen::Vector2d& p : view.pixels) finite = finite && p.allFinite();
     if (bundle.platform && view.corners.size() != view.pixels.size()) {

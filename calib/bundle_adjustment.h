@@ -21,10 +21,15 @@ struct BundleView {
   std::vector<int> corners = {};
   int camera = 0;     ///< index into JointBundle::cameras
   double weight = 1;  ///< of its squared errors: inverse variance over the common one
-  std::vector<double> corner_weights = {};  ///< beside `weight`, one a corner; none: all 1
+  /// Beside `weight`, one a corner: inverse covariances over the common variance. None: all 1.
+  std::vector<Eigen::Matrix2d> corner_weights = {};
 
-  double WeightOf(size_t i) const {
-    return corner_weights.empty() ? weight : weight * corner_weights[i];
+  Eigen::Matrix2d WeightOf(size_t i) const {
+    return weight * (corner_weights.empty() ? Eigen::Matrix2d::Identity() : corner_weights[i]);
+  }
+  /// An error of corner `i` (px), squared and weighed.
+  double SquareOf(size_t i, const Eigen::Vector2d& error) const {
+    return error.dot(WeightOf(i) * error);
   }
 };
 

@@ -89,11 +89,11 @@ ViewSystem LinearizeView(const JointBundle& bundle, const BundleLayout& layout,
   for (size_t i = 0; i < view.pixels.size(); ++i) {
     const CornerProjection p =
         ProjectCorner(camera, state.poses[v], PointOf(bundle, state, view, i), view.pixels[i]);
-    double weight = view.WeightOf(i);
+    Eigen::Matrix2d weight = view.WeightOf(i);
     if (robust_scale_px > 0) {
-      weight /= 1 + weight * p.residual.squaredNorm() / (robust_scale_px * robust_scale_px);
+      weight /= 1 + view.SquareOf(i, p.residual) / (robust_scale_px * robust_scale_px);
     }
-    const Eigen::Matrix<double, 6, 2> pose_weighted = weight * p.by_pose.transpose();
+    const Eigen::Matrix<double, 6, 2> pose_weighted = p.by_pose.transpose() * weight;
     system.pose.noalias() += pose_weighted * p.by_pose;
     system.gradient.noalias() += pose_weighted * p.residual;
     const SharedRow row = MakeSharedRow(bundle, layout, view, i, p);
@@ -206,9 +206,8 @@ double BundleCost(const JointBundle& bundle, const BundleState& state, double ro
         const BundleView& view = bundle.views[v];
         for (size_t i = 0; i < view.pixels.size(); ++i) {
           const double squared =
-              view.WeightOf(i) * CornerResidual(state.cameras[view.camera], state.poses[v],
-                                                PointOf(bundle, state, view, i), view.pixels[i])
-                                     .squaredNorm();
+              view.SquareOf(i, CornerResidual(state.cameras[view.camera], state.poses[v],
+                                              PointOf(bundle, state, view, i), view.pixels[i]));
           costs[v] += robust_scale_px > 0 ? scale2 * std::log1p(squared / scale2) : squared;
         }
       },

@@ -95,17 +95,36 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
   return picture;
 }
 
+// Sum over pairs of corners near enough to be measured on the same pixels: of the products of their
+// weighed errors, both ways.
+double SharedErrors(const BundleView& view,
+                    const std::vector<std::optional<Eigen::Vector2d>>& errors) {
+  constexpr double kWindowPx = 17;
+  const auto weighed = [&](size_t i) -> Eigen::Vector2d {
+    return std::sqrt(view.WeightOf(i).trace() / 2) * *errors[i];
+  };
+  double sum = 0;
+  for (size_t i = 0; i < errors.size(); ++i) {
+    for (size_t j = 0; errors[i] && j < i; ++j) {
+      if (!errors[j] || (view.pixels[i] - view.pixels[j]).norm() > kWindowPx) continue;
+      sum += 2 * weighed(i).dot(weighed(j));
+    }
+  }
+  return sum;
+}
+
 // The standard deviation of each picture's corners of weight 1, drawn towards that of all pictures
 // of its camera: what was fitted is subtracted from the freedom, a share of the intrinsics a
-// picture.
+// picture; what neighbouring corners have in common counts beside.
 void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split) {
   const std::vector<Eigen::Vector3d> corners =
       CornerPositions(BoardCorners(board), adjustment.shape);
   for (const auto& [name, camera] : adjustment.cameras) {
     const std::vector<size_t> selected = SelectPictures(adjustment.pictures, name, split);
-    double squared = 0, freedom = camera.known || split == PhotoSplit::kTest
-                                      ? 0
-                                      : -(kFirstLensTerm + camera.lens_terms);
+    double shared = 0, squared = 0,
+           freedom = camera.known || split == PhotoSplit::kTest
+                         ? 0
+                         : -(kFirstLensTerm + camera.lens_terms);
     std::vector<std::pair<double, double>> of_picture;
     for (const size_t i : selected) {
       std::pair<double, double> own(0, -6);
@@ -113,18 +132,21 @@ void EstimateNoise(Adjustment& adjustment, const Board& board, PhotoSplit split)
       const auto errors = ReprojectionErrors(camera.camera, view);
       for (size_t k = 0; k < errors.size(); ++k) {
         if (!errors[k]) continue;
-        own.first += view.WeightOf(k) * errors[k]->squaredNorm();
+        own.first += view.SquareOf(k, *errors[k]);
         own.second += 2;
       }
+      shared += SharedErrors(view, errors);
       squared += own.first, freedom += own.second;
       of_picture.push_back(own);
     }
     const double common = freedom > 0 ? squared / freedom : 0;
+    // What a smooth model makes of errors is their variance and what they share with those beside.
+    const double raised = squared > 0 ? 1 + std::max(0.0, shared / squared) : 1;
     for (size_t k = 0; k < selected.size(); ++k) {
       const auto& [own_squared, own_freedom] = of_picture[k];
       const double variance =
           (own_squared + kSharedFreedom * common) / (std::max(0.0, own_freedom) + kSharedFreedom);
-      adjustment.pictures[selected[k]].noise_px = std::sqrt(variance);
+      adjustment.pictures[selected[k]].noise_px = std::sqrt(raised * variance);
     }
   }
 }

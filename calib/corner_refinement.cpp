@@ -93,14 +93,17 @@ std::optional<CornerView> ViewCorner(const BoardPrint& print, int corner, const 
   return CornerView{plate.print, *view};
 }
 
-struct FitStep {
-  Eigen::Vector2d shift;
-  double sigma_px = 0;
-  double relative_residual = 0;
-};
-
 using LightRow = Eigen::Matrix<double, kLightTerms, 1>;
 using FitRow = Eigen::Matrix<double, kUnknowns, 1>;
+using FitMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+struct FitStep {
+  Eigen::Vector2d shift;
+  LightRow light;
+  FitMatrix inverse;    ///< of the normal matrix
+  double variance = 0;  ///< of a pixel, as the residuals say
+  double relative_residual = 0;
+};
 
 struct FitPixel {
   LightRow light;
@@ -140,19 +143,23 @@ LightRow FitLight(const std::vector<FitPixel>& pixels) {
   return normal.ldlt().solve(right);
 }
 
+FitRow RowOf(const FitPixel& p, const LightRow& light) {
+  const double gain = light.head<3>().dot(p.light.tail<3>());
+  FitRow row;
+  row << p.light, -gain * p.template_slope;
+  return row;
+}
+
 // One Gauss-Newton step over light and shift; no answer when the print has no contrast here or the
 // shift is not determined.
 std::optional<FitStep> SolveStep(const std::vector<FitPixel>& pixels) {
   const LightRow light = FitLight(pixels);
-  Eigen::Matrix<double, kUnknowns, kUnknowns> normal =
-      Eigen::Matrix<double, kUnknowns, kUnknowns>::Identity() * 1e-9;
+  FitMatrix normal = FitMatrix::Identity() * 1e-9;
   FitRow right = FitRow::Zero();
   double weights = 0, squared = 0;
   for (const FitPixel& p : pixels) {
-    const double gain = light.head<3>().dot(p.light.tail<3>());
     const double residual = p.value - light.dot(p.light);
-    FitRow row;
-    row << p.light, -gain * p.template_slope;
+    const FitRow row = RowOf(p, light);
     normal.noalias() += p.weight * row * row.transpose();
     right += p.weight * residual * row;
     weights += p.weight;
@@ -160,20 +167,32 @@ std::optional<FitStep> SolveStep(const std::vector<FitPixel>& pixels) {
   }
   const double contrast = light(0);
   if (!(contrast > kMinContrast)) return std::nullopt;
-  const Eigen::Matrix<double, kUnknowns, kUnknowns> inverse = normal.inverse();
-  const double variance = squared / weights;
   FitStep step;
-  step.shift = (inverse * right).tail<2>();
-  step.sigma_px =
-      std::sqrt(std::max(0.0, variance * inverse.bottomRightCorner<2, 2>().trace() / 2));
-  step.relative_residual = std::sqrt(variance) / contrast;
-  if (!step.shift.allFinite() || !std::isfinite(step.sigma_px)) return std::nullopt;
+  step.light = light;
+  step.inverse = normal.inverse();
+  step.variance = squared / weights;
+  step.shift = (step.inverse * right).tail<2>();
+  step.relative_residual = std::sqrt(step.variance) / contrast;
+  if (!step.shift.allFinite() || !std::isfinite(step.variance)) return std::nullopt;
   return step;
 }
 
+// Covariance of the shift. The weights say how much is believed of a pixel,
+// not how noisy it is: all are alike.
+Eigen::Matrix2d CovarianceOfShift(const std::vector<FitPixel>& pixels, const FitStep& step) {
+  FitMatrix noise = FitMatrix::Zero();
+  for (const FitPixel& p : pixels) {
+    const FitRow row = RowOf(p, step.light);
+    noise.noalias() += p.weight * p.weight * row * row.transpose();
+  }
+  const FitMatrix covariance = step.variance * step.inverse * noise * step.inverse;
+  const Eigen::Matrix2d of_shift = covariance.bottomRightCorner<2, 2>();
+  return (of_shift + of_shift.transpose()) / 2;
+}
+
 struct CornerFit {
-  Eigen::Vector2d pixel;
-  double sigma_px = 0, relative_residual = 0;
+  CornerObservation found;
+  double relative_residual = 0;
 };
 
 // Where steps lead that shrink on as the last did from the one before (Aitken).
@@ -206,7 +225,8 @@ std::optional<CornerFit> FitCorner(const Image& gray, const BoardPrint& print,
     if (length < (iteration == 0 ? kFirstConvergedPx : kConvergedPx) ||
         (iteration + 1 == kMaxIterations && length < 10 * kConvergedPx)) {
       const Eigen::Vector2d rest = RestOfSteps(last_step, step->shift);
-      return CornerFit{view.pixel + shift + rest, step->sigma_px, step->relative_residual};
+      return CornerFit{{0, view.pixel + shift + rest, CovarianceOfShift(pairs, *step)},
+                       step->relative_residual};
     }
     last_step = step->shift;
   }
@@ -260,11 +280,12 @@ std::vector<CornerObservation> FindCorners(const Image& linear_gray, const Board
     if (!corner) continue;
     const std::optional<CornerFit> fit =
         FitCorner(linear_gray, *corner->print, footprint, corner->view, {0, 0}, search);
-    if (!fit || fit->sigma_px > kMaxSigmaPx ||
+    if (!fit || !(fit->found.SigmaPx() <= kMaxSigmaPx) ||
         fit->relative_residual > search.max_relative_residual) {
       continue;
     }
-    found.push_back({static_cast<int>(i), fit->pixel, fit->sigma_px});
+    found.push_back(fit->found);
+    found.back().corner = static_cast<int>(i);
   }
   return found;
 }

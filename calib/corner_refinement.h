@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,11 @@ namespace lfm {
 struct CornerObservation {
   int corner = 0;  ///< index into PlaceCorners
   Eigen::Vector2d pixel;
-  double sigma_px = 0;  ///< standard deviation a coordinate that its own residual suggests
+  /// That its own residual suggests, px^2; not equal in all directions where the print is not.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+
+  /// Standard deviation of a coordinate, in the mean over directions.
+  double SigmaPx() const { return std::sqrt(covariance.trace() / 2); }
 };
 
 struct CornerSearch {

@@ -45,9 +45,8 @@ ErrorSum JudgeView(const Camera& camera, const BundleView& view, double robust_s
   const double most = robust_scale_px * robust_scale_px;
   const auto errors = ReprojectionErrors(camera, judged);
   for (size_t i = 0; i < errors.size(); ++i) {
-    const double weight = judged.corner_weights.empty() ? 1 : judged.corner_weights[i];
-    sum.squared_px2 += weight * (errors[i] ? std::min(most, errors[i]->squaredNorm()) : most);
-    sum.weights += weight;
+    sum.squared_px2 += errors[i] ? std::min(most, judged.SquareOf(i, *errors[i])) : most;
+    sum.weights += judged.WeightOf(i).trace() / 2;
   }
   return sum;
 }

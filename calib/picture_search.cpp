@@ -81,24 +81,27 @@ CalibPicture SearchAndPose(CalibPicture picture, const Image& gray, const BoardP
   return picture;
 }
 
-std::vector<double> WeighCorners(const std::vector<CornerObservation>& corners) {
+std::vector<Eigen::Matrix2d> WeighCorners(const std::vector<CornerObservation>& corners) {
   constexpr double kLeastVariance = 0.25;  // of the median
+  constexpr double kRoundness = 0.05;      // of a corner's variance, in all directions
   std::vector<double> variances;
-  for (const CornerObservation& c : corners) variances.push_back(c.sigma_px * c.sigma_px);
+  for (const CornerObservation& c : corners) variances.push_back(c.covariance.trace() / 2);
   if (variances.empty()) return {};
   std::vector<double> sorted = variances;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  // Exact corners, and those whose fit was not asked, weigh alike.
   const double least = kLeastVariance * *middle;
+  // Exact corners, and those whose fit was not asked, weigh alike.
   if (!(least > 0)) return {};
-  std::vector<double> weights;
+  std::vector<Eigen::Matrix2d> weights;
   double sum = 0;
-  for (const double variance : variances) {
-    weights.push_back(1 / std::max(least, variance));
-    sum += weights.back();
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const double round = std::max(kRoundness * variances[i], least - variances[i]);
+    const Eigen::Matrix2d covariance = corners[i].covariance + round * Eigen::Matrix2d::Identity();
+    weights.emplace_back(covariance.inverse());
+    sum += weights.back().trace() / 2;
   }
-  for (double& w : weights) w *= static_cast<double>(weights.size()) / sum;
+  for (Eigen::Matrix2d& w : weights) w *= static_cast<double>(weights.size()) / sum;
   return weights;
 }
 

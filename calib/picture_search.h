@@ -38,7 +38,7 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
                                         const CalibOptions& options, Progress& progress);
 
 /// The refined corners of a picture as the adjustment takes them; `positions` of all corners. Each
-/// weighs by the variance that its own fit suggests (no less than a quarter of the median one), in
+/// weighs by the covariance that its own fit suggests (no less than a quarter of the median), in
 /// the mean 1: those that an object half hides, or that are seen small, say less.
 BundleView ViewOfCorners(const CalibPicture& picture,
                          const std::vector<Eigen::Vector3d>& positions);

@@ -9,8 +9,10 @@
 
 namespace lfm {
 
-/// The print as the pixels of one picture integrate it: exact to about 0.005 of the step across an
-/// edge, which sixteen looks a pixel are not (0.03), without a ray more. Usable from many threads.
+/// The print as the pixels of one picture integrate it, without a ray more: by areas, exact where
+/// two of its lines cross a cell or fewer (elsewhere, on circles and rims, by nine places a cell).
+/// Places would misjudge parallel edges alike, which moves all corners together. Usable from many
+/// threads.
 class PrintSampler {
  public:
   PrintSampler(const SetReflectance& reflectance, const PixelRays& rays,
@@ -25,7 +27,8 @@ class PrintSampler {
   bool CornersDiffer(const Patch& patch, int x, int y) const;
 
  private:
-  Eigen::Vector3f ColorAt(const Patch& patch, int x, int y, float dx, float dy) const;
+  /// Where that place of the pixel sees the plane of `patch`; world.
+  Eigen::Vector3f PointAt(const Patch& patch, int x, int y, float dx, float dy) const;
 
   const SetReflectance& reflectance_;
   const PixelRays& rays_;

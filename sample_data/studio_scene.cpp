@@ -2,6 +2,7 @@
 #include "sample_data/studio_scene.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,6 +15,45 @@ namespace {
 
 constexpr unsigned kObjectGeometry = 0, kPatchGeometry = 1;
 constexpr float kInkAlbedo = 0.035f, kEdgeAlbedo = 0.35f;
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+// The part of a convex polygon where axis . p < limit.
+Polygon Below(const Polygon& polygon, const Eigen::Vector2d& axis, double limit) {
+  Polygon kept;
+  kept.reserve(polygon.size() + 1);
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+    const double at_a = axis.dot(a) - limit, at_b = axis.dot(b) - limit;
+    if (at_a < 0) kept.push_back(a);
+    if ((at_a < 0) != (at_b < 0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
+  }
+  return kept;
+}
+
+double Area(const Polygon& polygon) {
+  double twice = 0;
+  for (size_t i = 2; i < polygon.size(); ++i) {
+    const Eigen::Vector2d a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::abs(twice) / 2;
+}
+
+// The mean value of a print over a polygon all round which it is `cross`, seen from `middle`.
+double MeanOfCross(const PrintCross& cross, const Eigen::Vector2d& middle, const Polygon& outline) {
+  const auto& v = cross.value;
+  if (v[0][0] == v[0][1] && v[0][0] == v[1][0] && v[0][0] == v[1][1]) return v[0][0];
+  const double all = Area(outline);
+  if (!(all > 0)) return v[0][0];
+  const Eigen::Vector2d &x = cross.x_axis, y(-x.y(), x.x());
+  const Polygon left = Below(outline, x, x.dot(middle) + cross.offset_mm.x());
+  const double y_limit = y.dot(middle) + cross.offset_mm.y();
+  const double below_x = Area(left) / all, below_y = Area(Below(outline, y, y_limit)) / all;
+  const double both = Area(Below(left, y, y_limit)) / all;
+  return v[0][0] * both + v[0][1] * (below_x - both) + v[1][0] * (below_y - both) +
+         v[1][1] * (1 - below_x - below_y + both);
+}
 
 void AttachTriangles(RTCDevice device, RTCScene scene, unsigned id,
                      const std::vector<Eigen::Vector3d>& vertices,
@@ -166,18 +206,19 @@ bool StudioScene::Blocked(const RayPacket& packet, int lane) {
   return packet.rays.ray.tfar[lane] < 0;
 }
 
+SetReflectance::OnPrint SetReflectance::Locate(const Patch& patch,
+                                               const Eigen::Vector3f& point) const {
+  if (patch.plate == 0) return {&print_, point.head<2>().cast<double>()};
+  const BoardPrint::Plate plate = print_.PlateAt(patch.plate);
+  return {plate.print, (plate.plate_from_world * point.cast<double>()).head<2>()};
+}
+
 Eigen::Vector3f SetReflectance::Color(const Patch& patch, const Eigen::Vector3f& point) const {
   using V3f = Eigen::Vector3f;
   switch (patch.material) {
     case PatchMaterial::kPrint: {
-      Eigen::Vector2d on_plate(point.x(), point.y());
-      const BoardPrint* print = &print_;
-      if (patch.plate > 0) {
-        const BoardPrint::Plate plate = print_.PlateAt(patch.plate);
-        on_plate = (plate.plate_from_world * point.cast<double>()).head<2>();
-        print = plate.print;
-      }
-      const std::optional<V3f> color = print->Color(on_plate);
+      const OnPrint on = Locate(patch, point);
+      const std::optional<V3f> color = on.print->Color(on.point);
       if (!color) return V3f::Constant(kEdgeAlbedo);
       return V3f::Constant(kInkAlbedo) + *color * (kPaperAlbedo - kInkAlbedo);
     }
@@ -188,6 +229,27 @@ Eigen::Vector3f SetReflectance::Color(const Patch& patch, const Eigen::Vector3f&
   }
   return V3f::Constant(
       kTableAlbedo * (1 + 0.35f * static_cast<float>(GradientNoise(point.cast<double>() / 25, 5))));
+}
+
+std::optional<Eigen::Vector3f> SetReflectance::PrintColor(
+    const Patch& patch, const std::array<Eigen::Vector3f, 4>& piece) const {
+  if (patch.material != PatchMaterial::kPrint) return std::nullopt;
+  Polygon outline;
+  const BoardPrint* print = nullptr;
+  Eigen::Vector2d middle = {0, 0};
+  for (const Eigen::Vector3f& corner : piece) {
+    const OnPrint on = Locate(patch, corner);
+    print = on.print;
+    outline.push_back(on.point);
+    middle += on.point / 4;
+  }
+  double reach = 0;
+  for (const Eigen::Vector2d& corner : outline) reach = std::max(reach, (corner - middle).norm());
+  const std::optional<PrintCross> cross = print->CrossNear(middle, reach);
+  if (!cross) return std::nullopt;
+  const double paper = MeanOfCross(*cross, middle, outline);
+  return Eigen::Vector3f::Constant(kInkAlbedo +
+                                   static_cast<float>(paper) * (kPaperAlbedo - kInkAlbedo));
 }
 
 float SetReflectance::Albedo(const Patch& patch, const Eigen::Vector3f& point) const {

@@ -4,6 +4,8 @@
 #include <embree3/rtcore.h>
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "calib/board.h"
@@ -90,10 +92,22 @@ class SetReflectance {
   explicit SetReflectance(const Board& board) : print_(board) {}
   /// Linear RGB albedo at `point` (world) on `patch`.
   Eigen::Vector3f Color(const Patch& patch, const Eigen::Vector3f& point) const;
+  /// The mean of Color over a convex piece of a print with these corners (world), exact. No answer
+  /// where more than two lines of the print cross it, on circles, on the plate's rim, and for other
+  /// materials.
+  std::optional<Eigen::Vector3f> PrintColor(const Patch& patch,
+                                            const std::array<Eigen::Vector3f, 4>& piece) const;
   /// Its luminance.
   float Albedo(const Patch& patch, const Eigen::Vector3f& point) const;
 
  private:
+  /// A print, and a point in its plate's frame.
+  struct OnPrint {
+    const BoardPrint* print;
+    Eigen::Vector2d point;
+  };
+  OnPrint Locate(const Patch& patch, const Eigen::Vector3f& point) const;
+
   BoardPrint print_;
 };
 
