@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calib/calib_files.h"
 
+#include <Eigen/Eigenvalues>
+#include <cmath>
 #include <set>
 
 #include "calib/board.h"
@@ -47,6 +49,18 @@ nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
   return list;
 }
 
+// Symmetric and positive semidefinite but for what rounding does.
+bool IsCovariance(const Eigen::Matrix<double, 6, 6>& matrix) {
+  constexpr double kRounding = 1e-9;
+  Eigen::Matrix<double, 6, 1> sigma = matrix.diagonal();
+  if (!(sigma.minCoeff() >= 0)) return false;
+  for (double& s : sigma) s = s > 0 ? std::sqrt(s) : 1;
+  const Eigen::Matrix<double, 6, 6> scaled = matrix.array() / (sigma * sigma.transpose()).array();
+  if (!((scaled - scaled.transpose()).cwiseAbs().maxCoeff() <= kRounding)) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(scaled);
+  return eigen.eigenvalues()(0) >= -kRounding;
+}
+
 PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Camera>& cameras) {
   PosedImage image;
   image.id = reader.Text("id");
@@ -62,6 +76,9 @@ PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Ca
   image.camera_from_world = PoseFromJson(pose);
   const std::vector<double> covariance = reader.Numbers("covariance", 36);
   for (int i = 0; i < 36; ++i) image.covariance(i / 6, i % 6) = covariance[i];
+  if (!IsCovariance(image.covariance)) {
+    reader.Fail("covariance", "is not one: it must be symmetric, with no negative variance");
+  }
   image.tags = reader.Integer("tags", 0, kMaxCount);
   image.corners = reader.Integer("corners", 0, kMaxCount);
   image.reprojection_rms_px = reader.Number("reprojection_rms_px");

@@ -61,7 +61,7 @@ CalibResult SomeResult() {
     image.file = "photos/" + image.id + ".png";
     image.camera_from_world = PosesAround(2)[i];
     image.covariance.setIdentity();
-    image.covariance(0, 5) = 0.1;
+    image.covariance(0, 5) = image.covariance(5, 0) = 0.1;
     image.tags = 10 + i;
     image.corners = 90;
     image.reprojection_rms_px = 0.1 / 3;
@@ -178,6 +178,28 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
     std::filesystem::remove(folder_ / file);
     EXPECT_THROW(LoadCalib(folder_), Error) << file;
   }
+}
+
+TEST_F(CalibFiles, RefusesWhatIsNoCovariance) {
+  const auto refuses = [&](const Eigen::Matrix<double, 6, 6>& covariance) {
+    CalibResult result = SomeResult();
+    result.photos[0].covariance = covariance;
+    SaveCalib(result, folder_);
+    try {
+      LoadCalib(folder_);
+      ADD_FAILURE() << covariance;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("poses.json"), std::string::npos) << error.what();
+    }
+  };
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
+  covariance(2, 2) = -1;
+  refuses(covariance);
+  covariance.setIdentity();
+  covariance(1, 4) = 0.5;
+  refuses(covariance);
+  covariance(4, 1) = 0.5, covariance(0, 5) = covariance(5, 0) = 1.5;
+  refuses(covariance);
 }
 
 TEST(CalibFromCapture, TakesWhatIsGivenAndRefusesGaps) {
