@@ -55,6 +55,16 @@ Eigen::Vector3d ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3
   return best;
 }
 
+/// Whether a triangle's plane alone lies farther from `p` than `distance`, rounding aside: most of
+/// those that a search visits need no more.
+bool PlaneIsFarther(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                    const Eigen::Vector3d& c, double distance) {
+  constexpr double kRounding = 1 + 1e-9;
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double off = normal.dot(p - a);
+  return off * off > distance * distance * normal.squaredNorm() * kRounding;
+}
+
 /// The float32 found the triangle; weights outside it by rounding are brought back.
 Barycentrics OntoTriangle(double u, double v) {
   u = std::max(u, 0.0);
@@ -249,6 +259,7 @@ std::optional<RayScene::ClosestPoint> RayScene::Closest(const Eigen::Vector3d& q
     const int triangle = static_cast<int>(arguments->primID);
     const Eigen::Vector3i& t = s.state->triangles[triangle];
     const std::vector<Eigen::Vector3d>& v = s.state->vertices;
+    if (PlaneIsFarther(s.query, v[t[0]], v[t[1]], v[t[2]], s.best.distance)) return false;
     const Eigen::Vector3d closest = ClosestOnTriangle(s.query, v[t[0]], v[t[1]], v[t[2]]);
     const double distance = (closest - s.query).norm();
     const bool nearer =

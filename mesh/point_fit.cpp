@@ -13,12 +13,12 @@
 namespace lfm {
 namespace {
 
-constexpr int kPasses = 4;
+constexpr int kPasses = 5;
 constexpr int kNeighbors = 40;
 constexpr double kReachInSigmas = 2.5, kLargestResidualInSigmas = 2;
 constexpr double kLikeNormalCosine = 0.3;
 // Weight of staying, in points of full confidence.
-constexpr double kInertia = 0.02;
+constexpr double kInertia = 0.01;
 // Horizontal part of the normal, from which a vertex on the platform is the end of a wall.
 constexpr double kWallShare = 0.3;
 
@@ -30,8 +30,8 @@ std::vector<float> Residuals(const TriangleMesh& mesh, const PointCloud& points,
   ParallelFor(
       0, static_cast<int64_t>(residuals.size()),
       [&](int64_t i) {
-        const auto closest = scene.Closest(points.points[i]);
-        if (!closest || closest->distance > largest) return;
+        const auto closest = scene.Closest(points.points[i], largest);
+        if (!closest) return;
         const Eigen::Vector3d normal = TriangleNormal(mesh, closest->triangle);
         if (normal.dot(points.normals[i]) < kLikeNormalCosine) return;
         residuals[i] = static_cast<float>(normal.dot(points.points[i] - closest->point));

@@ -9,7 +9,7 @@ namespace lfm {
 /// Brings back what an implicit surface smoothed away: ridges that it lowered, grooves that it
 /// filled. Each vertex moves along its normal by the mean residual of the points round it, that is
 /// their signed distances from the *surface* (not from a plane: a curved surface that fits its
-/// points stays), weighted by the root of their confidence and a Gaussian of `sigma_mm`. Done four
+/// points stays), weighted by the root of their confidence and a Gaussian of `sigma_mm`. Done five
 /// times, as residual correction.
 ///
 /// `points` need normals and confidence. Points farther than two sigma from the surface, or that
