@@ -63,8 +63,9 @@ struct CalibResult {
   std::vector<PosedImage> placements;  ///< the same for the empty, tilted platform
   std::vector<RejectedImage> rejected;
   double reprojection_rms_px = 0;  ///< over inlier corners of the train photographs
-  double corner_noise_px =
-      0;  ///< standard deviation of a corner coordinate, estimated (of weight 1)
+  /// Estimated standard deviation of a corner coordinate of mean weight, with what neighbours
+  /// share.
+  double corner_noise_px = 0;
 };
 
 /// What the search for corners starts from (calib/circle_match.h).

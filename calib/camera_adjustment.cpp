@@ -17,8 +17,8 @@ constexpr double kOutlierSigmas = 4.5;
 constexpr int kMaxIterations = 100;
 // A picture's own noise counts as so many residuals of all pictures' noise.
 constexpr double kSharedFreedom = 40;
-// Exact corners would make anything look certain: what the corners' template is good for (0.003 px
-// in pictures without noise) is not known to be less than this.
+// Exact corners would make anything look certain: the corners' template is not known to be better
+// than this.
 constexpr double kLeastNoisePx = 0.001;
 // Views this close (of their distance, and in radians) are one.
 constexpr double kSamePlace = 0.002;
@@ -99,7 +99,7 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
 // weighed errors, both ways.
 double SharedErrors(const BundleView& view,
                     const std::vector<std::optional<Eigen::Vector2d>>& errors) {
-  constexpr double kWindowPx = 17;
+  constexpr double kWindowPx = 2 * CornerSearch().window_radius_px + 1;
   const auto weighed = [&](size_t i) -> Eigen::Vector2d {
     return std::sqrt(view.WeightOf(i).trace() / 2) * *errors[i];
   };
