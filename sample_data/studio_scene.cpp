@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/polygon.h"
 #include "sample_data/paint.h"
 
 namespace lfm {
@@ -16,41 +17,18 @@ namespace {
 constexpr unsigned kObjectGeometry = 0, kPatchGeometry = 1;
 constexpr float kInkAlbedo = 0.035f, kEdgeAlbedo = 0.35f;
 
-using Polygon = std::vector<Eigen::Vector2d>;
-
-// The part of a convex polygon where axis . p < limit.
-Polygon Below(const Polygon& polygon, const Eigen::Vector2d& axis, double limit) {
-  Polygon kept;
-  kept.reserve(polygon.size() + 1);
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-    const double at_a = axis.dot(a) - limit, at_b = axis.dot(b) - limit;
-    if (at_a < 0) kept.push_back(a);
-    if ((at_a < 0) != (at_b < 0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
-  }
-  return kept;
-}
-
-double Area(const Polygon& polygon) {
-  double twice = 0;
-  for (size_t i = 2; i < polygon.size(); ++i) {
-    const Eigen::Vector2d a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return std::abs(twice) / 2;
-}
-
 // The mean value of a print over a polygon all round which it is `cross`, seen from `middle`.
 double MeanOfCross(const PrintCross& cross, const Eigen::Vector2d& middle, const Polygon& outline) {
   const auto& v = cross.value;
   if (v[0][0] == v[0][1] && v[0][0] == v[1][0] && v[0][0] == v[1][1]) return v[0][0];
-  const double all = Area(outline);
+  const double all = PolygonArea(outline);
   if (!(all > 0)) return v[0][0];
   const Eigen::Vector2d &x = cross.x_axis, y(-x.y(), x.x());
-  const Polygon left = Below(outline, x, x.dot(middle) + cross.offset_mm.x());
+  const Polygon left = ClipPolygon(outline, x, x.dot(middle) + cross.offset_mm.x());
   const double y_limit = y.dot(middle) + cross.offset_mm.y();
-  const double below_x = Area(left) / all, below_y = Area(Below(outline, y, y_limit)) / all;
-  const double both = Area(Below(left, y, y_limit)) / all;
+  const double below_x = PolygonArea(left) / all,
+               below_y = PolygonArea(ClipPolygon(outline, y, y_limit)) / all;
+  const double both = PolygonArea(ClipPolygon(left, y, y_limit)) / all;
   return v[0][0] * both + v[0][1] * (below_x - both) + v[1][0] * (below_y - both) +
          v[1][1] * (1 - below_x - below_y + both);
 }

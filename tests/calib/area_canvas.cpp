@@ -7,33 +7,9 @@
 namespace lfm {
 namespace {
 
-using Polygon = std::vector<Eigen::Vector2d>;
-
-// The part of a polygon where sign * (p[axis] - limit) <= 0 (Sutherland-Hodgman).
-Polygon Clip(const Polygon& polygon, int axis, double sign, double limit) {
-  Polygon kept;
-  kept.reserve(polygon.size() + 2);
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-    const double at_a = sign * (a[axis] - limit), at_b = sign * (b[axis] - limit);
-    if (at_a <= 0) kept.push_back(a);
-    if ((at_a <= 0) != (at_b <= 0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
-  }
-  return kept;
-}
-
 Polygon Slice(const Polygon& polygon, int axis, int pixel) {
-  return Clip(Clip(polygon, axis, 1, pixel + 0.5), axis, -1, pixel - 0.5);
-}
-
-double Area(const Polygon& polygon) {
-  if (polygon.size() < 3) return 0;
-  double twice = 0;
-  for (size_t i = 1; i + 1 < polygon.size(); ++i) {
-    const Eigen::Vector2d a = polygon[i] - polygon[0], b = polygon[i + 1] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return std::abs(twice) / 2;
+  const Eigen::Vector2d along = Eigen::Vector2d::Unit(axis);
+  return ClipPolygon(ClipPolygon(polygon, along, pixel + 0.5), -along, 0.5 - pixel);
 }
 
 struct Range {
@@ -62,7 +38,7 @@ void AreaCanvas::Add(const Polygon& polygon, double amount) {
     const Polygon row = Slice(polygon, 1, y);
     const Range columns = Touched(row, 0, width_);
     for (int x = columns.first; x <= columns.last; ++x) {
-      sums_[static_cast<size_t>(y) * width_ + x] += amount * Area(Slice(row, 0, x));
+      sums_[static_cast<size_t>(y) * width_ + x] += amount * PolygonArea(Slice(row, 0, x));
     }
   }
 }

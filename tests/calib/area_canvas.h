@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include "core/polygon.h"
 
 namespace lfm {
 
@@ -14,7 +15,7 @@ class AreaCanvas {
 
   /// Adds `amount` times the area that the polygon covers of each pixel (their middles at whole
   /// numbers). The polygon need not be convex; its sense of rotation does not matter.
-  void Add(const std::vector<Eigen::Vector2d>& polygon, double amount);
+  void Add(const Polygon& polygon, double amount);
   double At(int x, int y) const { return sums_[static_cast<size_t>(y) * width_ + x]; }
 
  private:

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "core/polygon.h"
+
 namespace lfm {
 namespace {
 
@@ -81,29 +83,6 @@ TEST(ShareBehindLine, IsTheShareOfPlacesBehindIt) {
   EXPECT_EQ(ShareBehindLine(sharp, {0.3, 0.4}, 1e9), 1);
 }
 
-using Polygon = std::vector<Eigen::Vector2d>;
-
-// The part of a convex polygon where row . o < distance.
-Polygon Clip(const Polygon& polygon, const Eigen::Vector2d& row, double distance) {
-  Polygon kept;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const double at_a = row.dot(a) - distance, at_b = row.dot(b) - distance;
-    if (at_a < 0) kept.push_back(a);
-    if ((at_a < 0) != (at_b < 0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
-  }
-  return kept;
-}
-
-double Area(const Polygon& polygon) {
-  double twice = 0;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
 // A print like a checker's corner, as exact areas under a pixel that many places of the blur move.
 TEST(PixelOfCross, IsTheAreaOfItsFields) {
   std::mt19937 random(2);
@@ -136,9 +115,9 @@ TEST(PixelOfCross, IsTheAreaOfItsFields) {
         for (int field = 0; field < 4; ++field) {
           const double x = field / 2 == 0 ? 1 : -1, y = field % 2 == 0 ? 1 : -1;
           const Polygon part =
-              Clip(Clip(pixel, x * rows.row(0).transpose(), x * cross.offset_mm.x()),
-                   y * rows.row(1).transpose(), y * cross.offset_mm.y());
-          expected += cross.value[field / 2][field % 2] * Area(part) / places;
+              ClipPolygon(ClipPolygon(pixel, x * rows.row(0).transpose(), x * cross.offset_mm.x()),
+                          y * rows.row(1).transpose(), y * cross.offset_mm.y());
+          expected += cross.value[field / 2][field % 2] * PolygonArea(part) / places;
         }
       }
       const double error = PixelOfCross(cross, {slope}, profile) - expected;
