@@ -39,11 +39,10 @@ Scene MakeScene(int kind) {
   if (kind == 1 || kind == 3) scene.camera.k1 *= 4, scene.camera.k2 *= 4;
   scene.blur_px = kind >= 2 ? 1.2 : 0;
   scene.places = lfm::PlaceCorners(scene.board, {});
-  const lfm::BoardPrint print(scene.board);
   for (const lfm::Pose& pose : scene.poses) {
     lfm::RenderSettings settings;
     settings.full_well = kind == 3 ? 2000 : 20000;
-    Image gray = lfm::LinearGray(lfm::RenderBoard(print, scene.camera, pose, settings));
+    Image gray = lfm::LinearGray(lfm::RenderBoard(scene.board, scene.camera, pose, settings));
     scene.pictures.push_back(scene.blur_px > 0 ? lfm::BlurGray(gray, scene.blur_px) : gray);
   }
   return scene;
