@@ -20,6 +20,7 @@ namespace {
 constexpr int64_t kDeviationSamples = 60000;
 constexpr int64_t kFewestTriangles = 16;
 constexpr double kCountPrecision = 1.03;
+constexpr double kLongestStep = 8;
 
 double Extent(const TriangleMesh& mesh) {
   Eigen::Vector3d low = mesh.vertices.front(), high = low;
@@ -82,10 +83,46 @@ int64_t GuessCount(const TriangleMesh& surface, double tolerance_mm) {
   return static_cast<int64_t>(std::clamp(count, static_cast<double>(kFewestTriangles), 1e9));
 }
 
-// The coarsest mesh that `near_enough` accepts, by bisection over the number of triangles; the
+// What a search thinks of a mesh.
+struct Judgement {
+  bool near_enough = false;
+  double error = 0;  ///< in units of what is allowed; falls when triangles become more
+};
+
+// A number of triangles that was tried.
+struct Tried {
+  int64_t count = 0;
+  double error = 0;
+};
+
+// Where the errors of a mesh that is near enough and of one that is not say that the limit lies,
+// were their logarithms on a line; in the middle where they do not say so. Never so near to either
+// that nothing would be learnt.
+int64_t Between(const Tried& fine, const Tried& coarse, bool middle) {
+  const double gap = std::log(static_cast<double>(fine.count) / static_cast<double>(coarse.count));
+  const double least = 0.5 * std::log(kCountPrecision);
+  double from_coarse = 0.5 * gap;
+  if (!middle && coarse.error > 1 && fine.error > 0) {
+    from_coarse = gap * std::log(coarse.error) / std::log(coarse.error / fine.error);
+  }
+  from_coarse = std::clamp(from_coarse, least, std::max(gap - least, least));
+  return std::llround(static_cast<double>(coarse.count) * std::exp(from_coarse));
+}
+
+// Where only one side of the limit is known: errors fall about like 1 / count. Aimed a little
+// beyond the limit, that the other side may be known next.
+int64_t Beyond(const Tried& tried, bool near_enough) {
+  const double aim = std::sqrt(kCountPrecision);
+  const double factor = near_enough
+                            ? std::clamp(tried.error / aim, 1 / kLongestStep, 1 / kCountPrecision)
+                            : std::clamp(tried.error * aim, kCountPrecision, kLongestStep);
+  return std::llround(static_cast<double>(tried.count) * factor);
+}
+
+// The coarsest mesh that is near enough, by false position over the number of triangles; the
 // search begins where `tolerance_mm` suggests.
 DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, double tolerance_mm,
-                           const std::function<bool(const DecimatedMesh&)>& near_enough,
+                           const std::function<Judgement(const DecimatedMesh&)>& judge,
                            Progress& progress) {
   const int64_t all = static_cast<int64_t>(dense.mesh.triangles.size());
   int64_t count = std::min(GuessCount(dense.mesh, tolerance_mm), all);
@@ -93,37 +130,33 @@ DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, 
   Decimation finer = undone;
   finer.ReduceTo(16 * count);
   std::optional<DecimatedMesh> best;
-  int64_t fine = 0, coarse = 0;  // near enough; not near enough
-  const auto attempt = [&](int64_t target) {
-    Decimation decimation = target <= finer.triangles() ? finer : undone;
-    decimation.ReduceTo(target);
+  Tried fine, coarse;  // near enough; not near enough
+  int in_a_row = 0;    // attempts on the same side of the limit
+  bool last_near = false;
+  while (count < all) {
+    Decimation decimation = count <= finer.triangles() ? finer : undone;
+    decimation.ReduceTo(count);
     DecimatedMesh result = Finish(decimation, dense);
     progress.Advance();
-    if (!near_enough(result)) {
-      coarse = target;
-      return false;
+    const Judgement judgement = judge(result);
+    in_a_row = judgement.near_enough == last_near ? in_a_row + 1 : 1;
+    last_near = judgement.near_enough;
+    (judgement.near_enough ? fine : coarse) = {count, judgement.error};
+    if (judgement.near_enough) {
+      best = std::move(result);
+      finer = decimation;
+      if (count <= kFewestTriangles) break;
     }
-    best = std::move(result);
-    finer = decimation;
-    fine = target;
-    return true;
-  };
-  if (attempt(count)) {
-    while (count > kFewestTriangles && attempt(count = std::max(count / 2, kFewestTriangles))) {
+    if (fine.count == 0 || coarse.count == 0) {
+      count = std::max(Beyond(last_near ? fine : coarse, last_near), kFewestTriangles);
+      continue;
     }
-  } else {
-    do {
-      count *= 2;
-      if (count >= all) return Undecimated(dense);
-    } while (!attempt(count));
+    const bool settled =
+        static_cast<double>(fine.count) <= kCountPrecision * static_cast<double>(coarse.count);
+    count = Between(fine, coarse, in_a_row > 1);
+    if (settled || count <= coarse.count || count >= fine.count) break;
   }
-  while (coarse > 0 && static_cast<double>(fine) > kCountPrecision * static_cast<double>(coarse)) {
-    const int64_t middle =
-        std::llround(std::sqrt(static_cast<double>(fine) * static_cast<double>(coarse)));
-    if (middle <= coarse || middle >= fine) break;
-    attempt(middle);
-  }
-  return std::move(*best);
+  return best ? std::move(*best) : Undecimated(dense);
 }
 
 }  // namespace
@@ -145,7 +178,10 @@ DecimatedMesh DecimateToTolerance(const DecimationSource& source, double toleran
   const DenseSurface dense(source.surface);
   return FindCoarsest(
       dense, Decimation(source.surface, source.prices), tolerance_mm,
-      [&](const DecimatedMesh& result) { return result.deviation.WorseP95() <= tolerance_mm; },
+      [&](const DecimatedMesh& tried) {
+        const double error = tried.deviation.WorseP95() / tolerance_mm;
+        return Judgement{error <= 1, error};
+      },
       progress);
 }
 
@@ -156,9 +192,10 @@ DecimatedMesh DecimateToMaxError(const DecimationSource& source, double max_mm,
       dense, Decimation(source.surface, source.prices), 0.3 * max_mm,
       [&](const DecimatedMesh& tried) {
         // Samples refute sooner than a proof fails.
-        return tried.deviation.both.max <= max_mm &&
-               IsWithin(tried.mesh, dense.mesh, dense.scene, max_mm) &&
-               IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm);
+        const double error = tried.deviation.both.max / max_mm;
+        return Judgement{error <= 1 && IsWithin(tried.mesh, dense.mesh, dense.scene, max_mm) &&
+                             IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm),
+                         error};
       },
       progress);
   const bool as_it_was = result.mesh.triangles.size() == source.surface.triangles.size();

@@ -44,8 +44,8 @@ struct DecimatedMesh {
 /// itself when it has no more than that.
 DecimatedMesh DecimateToCount(const DecimationSource& source, int64_t count);
 
-/// The coarsest mesh whose WorseP95() is at most `tolerance_mm`, by bisection over the number of
-/// triangles to within 3 %; the surface itself when no coarser one is near enough.
+/// The coarsest mesh whose WorseP95() is at most `tolerance_mm`, by false position over the
+/// number of triangles to within 3 %; the surface itself when no coarser one is near enough.
 DecimatedMesh DecimateToTolerance(const DecimationSource& source, double tolerance_mm,
                                   Progress& progress);
 

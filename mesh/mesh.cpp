@@ -128,10 +128,10 @@ DecimatedMesh Decimate(const DecimationSource& source, const RayScene& scene, do
         progress);
   }
   if (options.max_error_mm > 0) {
-    progress.Start("finding the coarsest mesh within the error", 12);
+    progress.Start("finding the coarsest mesh within the error", 6);
     return DecimateToMaxError(source, options.max_error_mm, progress);
   }
-  progress.Start("finding the coarsest mesh", 9);
+  progress.Start("finding the coarsest mesh", 5);
   return DecimateToTolerance(source, options.tolerance_px * pixel_mm, progress);
 }
 
