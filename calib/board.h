@@ -112,6 +112,9 @@ void WriteBoard(const Board& board, const std::filesystem::path& file);
 void ValidateBoard(const Board& board, const std::string& where);
 /// The same for a plate that need not be recognised by itself.
 void ValidatePrint(const Board& board, const std::string& where);
+/// Throws Error, naming `where`, when a tag or circle is smaller than any camera could read:
+/// lengths in metres, most likely.
+void RequireReadableMarks(const Board& board, const std::string& where);
 
 /// What a print is near a point: two lines that cross at right angles, and the value in each of the
 /// four fields between them. Fields may be alike, so that one line or none is seen.

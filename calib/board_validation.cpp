@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <set>
 
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double kMinSizeMm = 1e-3;
 constexpr double kMaxSizeMm = 1e5;
+// Metres for millimetres make a tag of a few hundredths: no camera could read it.
+constexpr double kLeastMarkMm = 0.5;
 constexpr int kMaxCheckerSquares = 1000;
 constexpr size_t kMaxTags = 5000, kMaxCircles = 64, kMaxSquares = 5000, kMaxAttached = 100;
 constexpr size_t kMinCircles = 4;
@@ -298,6 +301,15 @@ void ValidateAttached(const Board& board, const AttachedBoard& attached, const s
   }
 }
 
+void RequireReadable(const char* marks, double size_mm, const std::string& where) {
+  if (size_mm >= kLeastMarkMm) return;
+  char size[64];
+  std::snprintf(size, sizeof size, "%g mm", size_mm);
+  throw Error(where + ": " + marks + " of " + size +
+              " cannot be read by any camera; sizes given in metres? Multiply every length of the "
+              "file by 1000 (a 24 mm tag is 24, not 0.024)");
+}
+
 }  // namespace
 
 void ValidatePrint(const Board& board, const std::string& where) {
@@ -315,6 +327,17 @@ void ValidatePrint(const Board& board, const std::string& where) {
 void ValidateBoard(const Board& board, const std::string& where) {
   ValidatePrint(board, where);
   ValidateRecognition(board, where);
+}
+
+void RequireReadableMarks(const Board& board, const std::string& where) {
+  for (const BoardPlate& plate : PlatesOf(board)) {
+    if (!plate.board->tags.empty()) {
+      RequireReadable("tag_size_mm: tags", plate.board->tag_size_mm, where);
+    }
+    for (const BoardCircle& circle : plate.board->circles) {
+      RequireReadable("circles: circles", circle.diameter_mm, where);
+    }
+  }
 }
 
 }  // namespace lfm

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "calib/camera_adjustment.h"
 #include "calib/camera_groups.h"
@@ -13,27 +12,6 @@
 
 namespace lfm {
 namespace {
-
-// Metres for millimetres make a tag of a few hundredths: no camera could read it.
-constexpr double kLeastMarkMm = 0.5;
-
-void CheckMark(const char* marks, double size_mm, const std::string& where) {
-  if (size_mm >= kLeastMarkMm) return;
-  char size[64];
-  std::snprintf(size, sizeof size, "%g mm", size_mm);
-  throw Error(where + ": " + marks + " of " + size +
-              " cannot be read by any camera; sizes given in metres? Multiply every length of the "
-              "file by 1000 (a 24 mm tag is 24, not 0.024)");
-}
-
-void CheckUnits(const Board& board, const std::string& where) {
-  for (const BoardPlate& plate : PlatesOf(board)) {
-    if (!plate.board->tags.empty()) CheckMark("tag_size_mm: tags", plate.board->tag_size_mm, where);
-    for (const BoardCircle& circle : plate.board->circles) {
-      CheckMark("circles: circles", circle.diameter_mm, where);
-    }
-  }
-}
 
 Adjustment StartCameras(CameraGroups groups) {
   Adjustment adjustment;
@@ -141,10 +119,13 @@ PosedImage MakePosedImage(const CalibPicture& picture, const Camera& camera, con
     }
   }
   double squared = 0;
+  int projected = 0;
   for (const auto& error : ReprojectionErrors(camera, view)) {
-    if (error) squared += error->squaredNorm();
+    if (!error) continue;
+    squared += error->squaredNorm();
+    ++projected;
   }
-  posed.reprojection_rms_px = std::sqrt(squared / std::max(1, posed.corners));
+  posed.reprojection_rms_px = std::sqrt(squared / std::max(1, projected));
   posed.covariance = covariance;
   return posed;
 }
@@ -155,11 +136,20 @@ std::map<size_t, Eigen::Matrix<double, 6, 6>> PoseCovariances(const Adjustment& 
                                                               const Studio& studio) {
   AdjustmentBundle train = BundleOf(adjustment, studio.board, PhotoSplit::kTrain, studio.options);
   AdjustmentBundle test = BundleOf(adjustment, studio.board, PhotoSplit::kTest, studio.options);
-  // Both are weighed against the training pictures' noise.
+  // All are weighed against the training pictures' noise.
   const double ratio = train.noise_px / test.noise_px;
-  for (BundleView& view : test.bundle.views) view.weight *= ratio * ratio;
+  std::vector<BundleView> followers = std::move(test.bundle.views);
+  for (BundleView& view : followers) view.weight *= ratio * ratio;
+  // A picture's own pose is none the worse known for copies of the picture.
+  std::vector<size_t> pictures = test.pictures;
+  for (size_t v = 0; v < train.pictures.size(); ++v) {
+    if (train.repeats[v] <= 1) continue;
+    followers.push_back(train.bundle.views[v]);
+    followers.back().weight *= train.repeats[v];
+    pictures.push_back(train.pictures[v]);
+  }
   const BundleCovariance covariance =
-      ComputeCovariance(train.bundle, adjustment.shape, train.noise_px, test.bundle.views);
+      ComputeCovariance(train.bundle, adjustment.shape, train.noise_px, followers);
   size_t index = 0;
   for (const auto& [name, camera] : adjustment.cameras) {
     const auto& of_camera = covariance.cameras[index++];
@@ -171,9 +161,7 @@ std::map<size_t, Eigen::Matrix<double, 6, 6>> PoseCovariances(const Adjustment& 
   }
   std::map<size_t, Eigen::Matrix<double, 6, 6>> poses;
   for (size_t v = 0; v < train.pictures.size(); ++v) poses[train.pictures[v]] = covariance.poses[v];
-  for (size_t v = 0; v < test.pictures.size(); ++v) {
-    poses[test.pictures[v]] = covariance.followers[v];
-  }
+  for (size_t f = 0; f < pictures.size(); ++f) poses[pictures[f]] = covariance.followers[f];
   return poses;
 }
 
@@ -217,7 +205,7 @@ CalibResult Calibrate(const Capture& capture, const Board& board, const ImageLoa
   ValidateOptions(AnyOptions(checked));
   const std::string board_name = board.name.empty() ? "board" : board.name;
   ValidateBoard(board, board_name);
-  CheckUnits(board, board_name);
+  RequireReadableMarks(board, board_name);
   std::vector<CalibPicture> pictures = ListPictures(capture);
   if (pictures.empty()) {
     throw Error((capture.folder / "capture.json").string() +

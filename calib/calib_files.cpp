@@ -8,6 +8,7 @@
 #include "calib/board.h"
 #include "calib/bundle_adjustment.h"
 #include "calib/model_files.h"
+#include "core/atomic_file.h"
 #include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
@@ -170,9 +171,11 @@ void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
   for (const RejectedImage& image : result.rejected) {
     poses["rejected"].push_back({{"id", image.id}, {"file", image.file}, {"reason", image.reason}});
   }
-  WriteJson(cameras, folder / "cameras.json");
-  WriteJson(PlatformToJson(result), folder / "platform.json");
-  WriteJson(poses, folder / "poses.json");
+  WriteFilesTogether(folder, [&](const std::filesystem::path& together) {
+    WriteJson(cameras, together / "cameras.json");
+    WriteJson(PlatformToJson(result), together / "platform.json");
+    WriteJson(poses, together / "poses.json");
+  });
 }
 
 CalibResult LoadCalib(const std::filesystem::path& folder) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calib/camera_adjustment.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,10 +18,10 @@ constexpr double kOutlierSigmas = 4.5;
 constexpr int kMaxIterations = 100;
 // A picture's own noise counts as so many residuals of all pictures' noise.
 constexpr double kSharedFreedom = 40;
-// Exact corners would make anything look certain: the corners' template is not known to be better
-// than this.
+// Exact corners would make anything look certain. Far below what pictures reach: not a statement
+// about them.
 constexpr double kLeastNoisePx = 0.001;
-// Views this close (of their distance, and in radians) are one.
+// Views this close (of their distance to the corners, and in radians) are from one place.
 constexpr double kSamePlace = 0.002;
 
 std::string Rounded(double value) {
@@ -51,13 +52,18 @@ std::vector<size_t> InUse(const Adjustment& adjustment, PhotoSplit split) {
   return selected;
 }
 
-// How many of the views were taken from a view's place. What such pictures have wrong, they have in
-// common (the print, the lens, where pixels cut edges): together they say what one of them says.
+Eigen::Vector3d MeanOf(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d sum(0, 0, 0);
+  for (const Eigen::Vector3d& point : points) sum += point;
+  return sum / std::max(1.0, static_cast<double>(points.size()));
+}
+
+// How many of the views were taken from a view's place.
 std::vector<double> CountRepeats(const std::vector<BundleView>& views) {
   std::vector<double> counts(views.size());
   for (size_t a = 0; a < views.size(); ++a) {
     const Pose& pose = views[a].camera_from_world;
-    const double near_mm = kSamePlace * pose.Center().norm();
+    const double near_mm = kSamePlace * (pose.Center() - MeanOf(views[a].points)).norm();
     for (const BundleView& other : views) {
       const Pose& there = other.camera_from_world;
       counts[a] += other.camera == views[a].camera &&
@@ -100,14 +106,17 @@ CalibPicture DropOutliers(CalibPicture picture, const Camera& camera,
 double SharedErrors(const BundleView& view,
                     const std::vector<std::optional<Eigen::Vector2d>>& errors) {
   constexpr double kWindowPx = 2 * CornerSearch().window_radius_px + 1;
-  const auto weighed = [&](size_t i) -> Eigen::Vector2d {
-    return std::sqrt(view.WeightOf(i).trace() / 2) * *errors[i];
-  };
+  std::vector<Eigen::Vector2d> weighed(errors.size(), {0, 0});
+  for (size_t i = 0; i < errors.size(); ++i) {
+    // Of unit variance: the products are those whose sum over one corner is SquareOf.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> weight(view.WeightOf(i));
+    if (errors[i]) weighed[i] = weight.operatorSqrt() * *errors[i];
+  }
   double sum = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
     for (size_t j = 0; errors[i] && j < i; ++j) {
       if (!errors[j] || (view.pixels[i] - view.pixels[j]).norm() > kWindowPx) continue;
-      sum += 2 * weighed(i).dot(weighed(j));
+      sum += 2 * weighed[i].dot(weighed[j]);
     }
   }
   return sum;
@@ -178,7 +187,8 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
     all.bundle.views.push_back(ViewOfCorners(picture, corners));
     all.bundle.views.back().camera = index.at(picture.camera);
   }
-  const std::vector<double> repeats = CountRepeats(all.bundle.views);
+  all.repeats = split == PhotoSplit::kTrain ? CountRepeats(all.bundle.views)
+                                            : std::vector<double>(all.pictures.size(), 1);
   // Before corners were looked at finely, nothing is known.
   all.noise_px = squared > 0 ? std::max(kLeastNoisePx, std::sqrt(squared / count))
                              : PlatformUnknowns().noise_px;
@@ -186,7 +196,7 @@ AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, Phot
     const double own = std::max(kLeastNoisePx, adjustment.pictures[all.pictures[v]].noise_px);
     const bool known = adjustment.pictures[all.pictures[v]].noise_px > 0;
     all.bundle.views[v].weight =
-        (known ? all.noise_px * all.noise_px / (own * own) : 1) / repeats[v];
+        (known ? all.noise_px * all.noise_px / (own * own) : 1) / all.repeats[v];
   }
   if (adjustment.platform.moves != PlatformMoves::kNone || adjustment.platform.bent) {
     all.bundle.platform = MakePlatformUnknowns(board, adjustment.platform);

@@ -30,12 +30,14 @@ struct Adjustment {
 };
 
 /// The refined corners of the pictures in use of one split, as the adjustment takes them, weighed
-/// by their noise (`CalibPicture::noise_px`) where it is known; `pictures[view]` is a view's place
-/// among `Adjustment::pictures`.
+/// by their noise (`CalibPicture::noise_px`) where it is known. Training pictures from one place
+/// share what they have wrong (the print, where pixels cut edges): to cameras and platform they say
+/// together what one of them says, and weigh so.
 struct AdjustmentBundle {
   JointBundle bundle;
-  std::vector<size_t> pictures;
-  double noise_px = 0;  ///< of a corner coordinate of weight 1
+  std::vector<size_t> pictures;  ///< a view's place among `Adjustment::pictures`
+  std::vector<double> repeats;   ///< so many views were taken from a view's place, itself counted
+  double noise_px = 0;           ///< of a corner coordinate of weight 1
 };
 AdjustmentBundle BundleOf(const Adjustment& adjustment, const Board& board, PhotoSplit split,
                           const CalibOptions& options);

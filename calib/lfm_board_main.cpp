@@ -14,6 +14,7 @@
 #include "calib/kalibr_grid.h"
 #include "core/command_line.h"
 #include "core/error.h"
+#include "core/output_folder.h"
 
 namespace {
 
@@ -99,6 +100,7 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(sheets), "Sheets");
   command.Options(lfm::AnyOptions(options));
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
+    lfm::RequireWritableFolder(folder);
     const lfm::Board board = MakeBoard(options, design);
     for (const std::string& line : lfm::AdviseOnBoard(board, options.mm_per_pixel)) {
       progress.Note("advice: " + line);

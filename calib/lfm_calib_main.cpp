@@ -11,6 +11,7 @@
 #include "calib/calib_pictures.h"
 #include "core/capture.h"
 #include "core/command_line.h"
+#include "core/output_folder.h"
 
 namespace {
 
@@ -71,9 +72,10 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(options), "Calibration");
   command.Options(lfm::AnyOptions(command_options));
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
+    const std::filesystem::path folder = std::filesystem::path(work_folder) / "calib";
+    lfm::RequireWritableFolder(folder);
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::CalibResult result = lfm::CalibrateCapture(capture, options, progress);
-    const std::filesystem::path folder = std::filesystem::path(work_folder) / "calib";
     lfm::SaveCalib(result, folder);
     if (command_options.pictures && !capture.board.empty()) {
       DrawPictures(capture, result, folder / "pictures", progress);

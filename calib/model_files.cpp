@@ -2,6 +2,7 @@
 #include "calib/model_files.h"
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "calib/corner_projection.h"
@@ -13,10 +14,26 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMostLensTerms = kIntrinsics - kFirstLensTerm;
+// A plate of 200 mm that is a twentieth of its size out of flat, 10 mm over 100; a larger one lies
+// flatter.
+constexpr double kMostBendPerMm = 1e-3;
+// Ten times the coarsest print that a calibration may be told of (--print-error-mm).
+constexpr double kMostShiftMm = 100;
 
 // JSON has no infinity: a model that is none has no error.
 void AddError(double rms_px, json& trial) {
   if (std::isfinite(rms_px)) trial["heldout_rms_px"] = rms_px;
+}
+
+// A coordinate of a platform's shape. NaN and infinity are no JSON.
+void RequireWithin(const JsonReader& reader, const std::string& key, double value, double most,
+                   const char* unit) {
+  if (std::abs(value) <= most) return;
+  char problem[160];
+  std::snprintf(problem, sizeof problem,
+                "%g %s is more than any platform departs from its print (%g); run lfm-calib again",
+                value, unit, most);
+  reader.Fail(key, problem);
 }
 
 double ErrorFromJson(JsonReader& reader) {
@@ -114,8 +131,10 @@ void LoadPlatform(const std::filesystem::path& file, CalibResult& result) {
     item.Finish();
   }
   const std::vector<double> bend = reader.Numbers("bend_per_mm", 3);
+  for (const double b : bend) RequireWithin(reader, "bend_per_mm", b, kMostBendPerMm, "per mm");
   result.platform_shape.bend_per_mm = {bend[0], bend[1], bend[2]};
   for (const std::vector<double>& shift : reader.NumberRows("shifts_mm", 2)) {
+    for (const double s : shift) RequireWithin(reader, "shifts_mm", s, kMostShiftMm, "mm");
     result.platform_shape.shifts_mm.emplace_back(shift[0], shift[1]);
   }
   reader.Finish();

@@ -161,14 +161,10 @@ std::vector<CalibPicture> RefineCorners(std::vector<CalibPicture> pictures,
     if (start == StartQuality::kRough) {
       picture = SearchAndPose(std::move(picture), BlurGray(gray, kRoughBlurPx), print, corners,
                               positions, camera, kRoughSearch, options.robust_scale_px);
-      picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
-                                     picture.corners, kFineSearch);
     }
-    // Where the lens is known, what looked like blur is often its distortion.
-    if (start == StartQuality::kGood) {
-      picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
-                                     picture.corners, kFineSearch);
-    }
+    // Twice: where the lens is not known yet, what looks like blur is often its distortion.
+    picture.blur_px = EstimateBlur(gray, print, corners, camera, picture.camera_from_world,
+                                   picture.corners, kFineSearch);
     CornerSearch fine = kFineSearch;
     fine.blur_px = picture.blur_px;
     if (start == StartQuality::kRough && corners.size() >= kManyCorners) {

@@ -29,7 +29,7 @@ endif()
 target_compile_definitions(lfm_flags INTERFACE LFM_VERSION="${PROJECT_VERSION}")
 
 # What nearly every file includes, parsed once instead of 300 times: a third of a clean build. Files
-# must compile without it all the same; the presets debug, asan and tidy build them so.
+# must compile without it all the same; the presets debug and tidy build them so.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(GTest REQUIRED)

@@ -38,7 +38,7 @@ class Temporary {
   explicit Temporary(std::filesystem::path name) : name_(std::move(name)) {}
   ~Temporary() {
     std::error_code ignored;
-    if (!name_.empty()) std::filesystem::remove(name_, ignored);
+    if (!name_.empty()) std::filesystem::remove_all(name_, ignored);
   }
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
@@ -69,6 +69,31 @@ void WriteFileAtomically(const std::filesystem::path& file,
   std::filesystem::rename(temporary.name(), file, error);
   if (error) FailWriting(file, error.value());
   temporary.Release();
+}
+
+void WriteFilesTogether(const std::filesystem::path& folder,
+                        const std::function<void(const std::filesystem::path&)>& write) {
+  const Temporary temporary(TemporaryName(folder / "files"));
+  const std::string name = temporary.name().string();
+  std::error_code error;
+  std::filesystem::create_directories(temporary.name(), error);
+  if (error) FailWriting(folder, error.value());
+  try {
+    write(temporary.name());
+  } catch (const Error& failure) {
+    std::string message = failure.what();
+    const size_t at = message.find(name);
+    if (at != std::string::npos) message.replace(at, name.size(), folder.string());
+    throw Error(message, failure.kind());
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(temporary.name())) {
+    files.push_back(entry.path().filename());
+  }
+  for (const std::filesystem::path& file : files) {
+    std::filesystem::rename(temporary.name() / file, folder / file, error);
+    if (error) FailWriting(folder / file, error.value());
+  }
 }
 
 void WriteFileAtomically(const std::filesystem::path& file, std::string_view content) {

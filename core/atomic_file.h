@@ -19,6 +19,13 @@ void WriteFileAtomically(const std::filesystem::path& file,
 /// The same for content in memory.
 void WriteFileAtomically(const std::filesystem::path& file, std::string_view content);
 
+/// Files that say something together only: `write` puts them into the empty folder that it is
+/// given; once all are flushed to disk they take their places in `folder`, which is made where it
+/// is missing. When `write` throws, `folder` is as it was, and errors name files by where they
+/// would have gone.
+void WriteFilesTogether(const std::filesystem::path& folder,
+                        const std::function<void(const std::filesystem::path&)>& write);
+
 /// Throws the Error (kSystem) of a file or folder that cannot be written: `error` is the errno that
 /// the system gave. A full disk, quota or file size limit is told from a folder without access.
 [[noreturn]] void FailWriting(const std::filesystem::path& file, int error);

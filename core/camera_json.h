@@ -17,7 +17,8 @@ nlohmann::json IntrinsicsToJson(const Camera& camera);
 nlohmann::json CameraToJson(const Camera& camera);
 
 /// The inverses. Throw Error, naming file and place, for missing, unknown and non-finite values,
-/// focal lengths that are not positive, and sizes outside [1, max_side].
+/// sizes outside [1, max_side], and what no lens has: focal lengths outside [0.01, 1000] longer
+/// sides of the picture, or a principal point more than 50 of them from the first pixel.
 Camera IntrinsicsFromJson(JsonReader& reader, int width, int height, LensKeys keys);
 Camera CameraFromJson(JsonReader& reader, int max_side, LensKeys keys);
 

@@ -8,9 +8,12 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <string_view>
 
+#include "core/config_file.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/printable_text.h"
 
 namespace lfm {
 namespace {
@@ -28,6 +31,7 @@ void InstallSignalHandlers() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c)
+  std::signal(SIGXFSZ, SIG_IGN);  // NOLINT(cert-err33-c): a full quota is an error like others
 }
 
 std::string HelpText(const OptionInfo& info) {
@@ -75,13 +79,16 @@ class CliDeclarer : public OptionVisitor {
   std::string group_;
 };
 
-// One line, whatever a library put into its message.
+// One line that a terminal can show, whatever a library put into its message.
 std::string OneLine(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
+  return PrintableText(text);
+}
+
+// What was typed is echoed so far.
+std::string Shortened(const std::string& text) {
+  constexpr size_t kLongest = 400;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + " ...";
 }
 
 }  // namespace
@@ -97,10 +104,12 @@ struct CommandLine::State {
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
     app.set_config("--config", "", "Read options from this TOML file.");
+    app.config_formatter(config_reader);
     app.allow_config_extras(CLI::config_extras_mode::error);
   }
   std::string name;
   CLI::App app;
+  std::shared_ptr<ConfigFileReader> config_reader = std::make_shared<ConfigFileReader>();
   std::vector<AnyOptions> options;
   bool quiet = false, verbose = false;
   int threads = 0;
@@ -109,6 +118,7 @@ struct CommandLine::State {
     std::fprintf(stderr, "%s: error: %s\n", name.c_str(), OneLine(what).c_str());
     return status;
   }
+  std::string ConfigFile() const;
   int Parse(int argc, char** argv, bool& go_on);
   int RunBody(const std::function<void(Progress&)>& body) const;
 };
@@ -135,18 +145,31 @@ void CommandLine::Peek(int argc, char** argv) {
   }
 }
 
+std::string CommandLine::State::ConfigFile() const {
+  const CLI::Option* config = app.get_config_ptr();
+  return config->count() > 0 ? config->as<std::string>() : "";
+}
+
 int CommandLine::State::Parse(int argc, char** argv, bool& go_on) {
   go_on = false;
+  const auto in_file = [&](const std::string& what) {
+    return config_reader->Caused(what, argc, argv) ? ConfigFile() + ": " + what : what;
+  };
   try {
     app.parse(argc, argv);
     for (const AnyOptions& o : options) ValidateOptions(o);
     go_on = true;
     return kExitOk;
+  } catch (const CLI::ConfigError& e) {
+    std::string what = e.what();
+    constexpr std::string_view kUnknown = "INI was not able to parse ";
+    if (what.starts_with(kUnknown)) what = "unknown option " + what.substr(kUnknown.size());
+    return Report(ConfigFile() + ": " + Shortened(what) + " (see " + name + " --help)", kExitInput);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    return Report(std::string(e.what()) + " (see " + name + " --help)", kExitInput);
+    return Report(in_file(Shortened(e.what())) + " (see " + name + " --help)", kExitInput);
   } catch (const Error& e) {
-    return Report(e.what(), kExitInput);
+    return Report(in_file(e.what()), kExitInput);
   }
 }
 

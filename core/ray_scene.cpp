@@ -59,10 +59,11 @@ Eigen::Vector3d ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3
 /// those that a search visits need no more.
 bool PlaneIsFarther(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                     const Eigen::Vector3d& c, double distance) {
-  constexpr double kRounding = 1 + 1e-9;
+  constexpr double kRounding_rel = 1e-9, kRoundingOfPoints_rel = 1e-12;
   const Eigen::Vector3d normal = (b - a).cross(c - a);
   const double off = normal.dot(p - a);
-  return off * off > distance * distance * normal.squaredNorm() * kRounding;
+  const double reach = distance * (1 + kRounding_rel) + kRoundingOfPoints_rel * (p - a).lpNorm<1>();
+  return off * off > reach * reach * normal.squaredNorm();
 }
 
 /// The float32 found the triangle; weights outside it by rounding are brought back.

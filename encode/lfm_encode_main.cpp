@@ -5,6 +5,7 @@
 
 #include "core/command_line.h"
 #include "core/image.h"
+#include "core/output_folder.h"
 #include "encode/encode.h"
 #include "encode/encode_files.h"
 #include "encode/encode_pictures.h"
@@ -45,6 +46,7 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const std::filesystem::path work = work_folder;
+    lfm::RequireWritableFolder(work / "encode");
     const lfm::EncodeResult result = lfm::Encode(
         lfm::LightField::Open(work / "resample" / "light_field.lfs"), options, progress);
     const int64_t model_bytes =

@@ -24,20 +24,27 @@ constexpr double kWallCosine = 0.5, kWallMargin = 1.0 / 3;
 // Standard deviation across a plane, relative to the extent along it, below which a cloud is flat:
 // a scan's noise over an object's size is ten times less, a sheet of cardboard ten times more.
 constexpr double kFlat = 0.003;
+// No object of so few millimetres can be scanned; in metres, few are larger.
+constexpr double kLargestInMetres = 2;
 
-void CheckCloud(const PointCloud& cloud) {
+void CheckCloud(const PointCloud& cloud, const std::string& where) {
   const size_t n = cloud.points.size();
   if (n == 0) {
-    throw Error("point cloud: it is empty; check that the scans decode (scan/points.ply)");
+    throw Error(where + ": it is empty; check that the scans decode");
   }
   if (cloud.normals.size() != n || (!cloud.confidence.empty() && cloud.confidence.size() != n)) {
-    throw Error("point cloud: every point needs a normal (and a confidence, if any has one)");
+    throw Error(where + ": every point needs a normal (and a confidence, if any has one)");
   }
   for (size_t i = 0; i < n; ++i) {
     if (!cloud.points[i].allFinite() || !cloud.normals[i].allFinite() ||
         (!cloud.confidence.empty() && !std::isfinite(cloud.confidence[i]))) {
-      throw Error("point cloud: point " + std::to_string(i) + " is not finite; check the scans");
+      throw Error(where + ": point " + std::to_string(i) + " is not finite; check the scans");
     }
+  }
+  if (n > 1 && std::all_of(cloud.points.begin(), cloud.points.end(),
+                           [&](const Eigen::Vector3d& p) { return p == cloud.points[0]; })) {
+    throw Error(where + ": all " + std::to_string(n) +
+                " points are the same; check the scans, or write the cloud again");
   }
 }
 
@@ -60,17 +67,31 @@ RobustBox MeasureBox(const std::vector<Eigen::Vector3d>& points) {
   return box;
 }
 
-void CheckCount(const PointCloud& cloud) {
+void CheckUnit(const PointCloud& cloud, const CleaningLimits& limits, const std::string& where) {
+  const bool all_low =
+      std::all_of(cloud.points.begin(), cloud.points.end(),
+                  [&](const Eigen::Vector3d& p) { return p.z() < limits.platform_margin_mm; });
+  if (!all_low) return;
+  const double extent = MeasureBox(cloud.points).extent;
+  if (!(extent > 0 && extent <= kLargestInMetres)) return;
+  std::ostringstream message;
+  message << where << ": all " << cloud.points.size() << " points lie below "
+          << limits.platform_margin_mm << " mm and within " << extent
+          << " mm: the cloud looks to be in metres; multiply its coordinates by 1000";
+  throw Error(message.str());
+}
+
+void CheckCount(const PointCloud& cloud, const std::string& where) {
   const size_t n = cloud.points.size();
   if (n < kFewestPoints) {
-    throw Error("point cloud: only " + std::to_string(n) +
+    throw Error(where + ": only " + std::to_string(n) +
                 " points lie on the object, too few for a surface; check the scans and "
                 "--platform-margin-mm");
   }
 }
 
-void CheckShape(const PointCloud& cloud) {
-  CheckCount(cloud);
+void CheckShape(const PointCloud& cloud, const std::string& where) {
+  CheckCount(cloud, where);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : cloud.points) mean += p;
   mean /= static_cast<double>(cloud.points.size());
@@ -82,9 +103,9 @@ void CheckShape(const PointCloud& cloud) {
           .cwiseMax(0)
           .cwiseSqrt();
   if (!(spread[0] > kFlat * spread[2])) {
-    throw Error(
-        "point cloud: all points lie in a plane or on a line, which bounds no solid; scan the "
-        "object from more sides");
+    throw Error(where +
+                ": all points lie in a plane or on a line, which bounds no solid; scan the "
+                "object from more sides");
   }
 }
 
@@ -133,8 +154,10 @@ double EstimateSpacing(const std::vector<Eigen::Vector3d>& points, double extent
 
 }  // namespace
 
-CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
-  CheckCloud(points);
+CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits,
+                       const std::string& where) {
+  CheckCloud(points, where);
+  CheckUnit(points, limits, where);
   CleanCloud clean;
   PointCloud cloud = points;
   if (cloud.confidence.empty()) cloud.confidence.assign(cloud.points.size(), 1);
@@ -154,13 +177,12 @@ CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
   }
   if (clean.platform == static_cast<int64_t>(keep.size())) {
     std::ostringstream message;
-    message << "point cloud: all " << keep.size() << " points lie below "
-            << limits.platform_margin_mm
+    message << where << ": all " << keep.size() << " points lie below " << limits.platform_margin_mm
             << " mm, on the platform; check the scans, or lower --platform-margin-mm";
     throw Error(message.str());
   }
   cloud = SelectPoints(cloud, keep);
-  CheckCount(cloud);
+  CheckCount(cloud, where);
 
   const RobustBox box = MeasureBox(cloud.points);
   keep.assign(cloud.points.size(), 1);
@@ -169,18 +191,18 @@ CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits) {
     clean.outside += !keep[i];
   }
   cloud = SelectPoints(cloud, keep);
-  CheckShape(cloud);
+  CheckShape(cloud, where);
 
   keep = FindDense(cloud, EstimateSpacing(cloud.points, box.extent));
   clean.sparse = std::count(keep.begin(), keep.end(), 0);
   cloud = SelectPoints(cloud, keep);
-  CheckShape(cloud);
+  CheckShape(cloud, where);
 
   const double spacing_mm = EstimateSpacing(cloud.points, MeasureBox(cloud.points).extent);
   keep = FindObject(cloud, std::max(8 * spacing_mm, box.extent / 80));
   clean.detached = std::count(keep.begin(), keep.end(), 0);
   clean.cloud = SelectPoints(cloud, keep);
-  CheckShape(clean.cloud);
+  CheckShape(clean.cloud, where);
   clean.spacing_mm = EstimateSpacing(clean.cloud.points, MeasureBox(clean.cloud.points).extent);
   return clean;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 #include "core/point_cloud.h"
 
@@ -31,9 +32,11 @@ struct CleanCloud {
 /// Takes away the platform, what lies outside, lone points, and pieces with less than 3 % of the
 /// points of the largest piece. Missing confidence counts as 1.
 ///
-/// Throws Error, saying what to check, for: an empty cloud, missing or miscounted normals,
-/// coordinates that are not finite, all points on the platform, fewer than 100 points left, points
-/// that all lie in a plane or on a line.
-CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits);
+/// Throws Error, naming `where` and saying what to check, for: an empty cloud, missing or
+/// miscounted normals, coordinates that are not finite, points that are all the same, a cloud that
+/// seems to be in metres (two units large at most, all of it below the margin), all points on the
+/// platform, fewer than 100 points left, points that all lie in a plane or on a line.
+CleanCloud CleanPoints(const PointCloud& points, const CleaningLimits& limits,
+                       const std::string& where = "point cloud");
 
 }  // namespace lfm

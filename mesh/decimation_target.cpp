@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/ray_scene.h"
+#include "mesh/count_search.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
 #include "mesh/error_bound.h"
@@ -18,9 +19,6 @@ namespace lfm {
 namespace {
 
 constexpr int64_t kDeviationSamples = 60000;
-constexpr int64_t kFewestTriangles = 16;
-constexpr double kCountPrecision = 1.03;
-constexpr double kLongestStep = 8;
 
 double Extent(const TriangleMesh& mesh) {
   Eigen::Vector3d low = mesh.vertices.front(), high = low;
@@ -80,81 +78,34 @@ DecimatedMesh Undecimated(const DenseSurface& dense) {
 int64_t GuessCount(const TriangleMesh& surface, double tolerance_mm) {
   const double edge = std::sqrt(8 * Extent(surface) / 6 * tolerance_mm);
   const double count = TotalArea(surface) / (std::sqrt(3.0) / 4 * edge * edge);
-  return static_cast<int64_t>(std::clamp(count, static_cast<double>(kFewestTriangles), 1e9));
+  return static_cast<int64_t>(std::clamp(count, static_cast<double>(CountSearch::kFewest), 1e9));
 }
 
-// What a search thinks of a mesh.
-struct Judgement {
-  bool near_enough = false;
-  double error = 0;  ///< in units of what is allowed; falls when triangles become more
-};
-
-// A number of triangles that was tried.
-struct Tried {
-  int64_t count = 0;
-  double error = 0;
-};
-
-// Where the errors of a mesh that is near enough and of one that is not say that the limit lies,
-// were their logarithms on a line; in the middle where they do not say so. Never so near to either
-// that nothing would be learnt.
-int64_t Between(const Tried& fine, const Tried& coarse, bool middle) {
-  const double gap = std::log(static_cast<double>(fine.count) / static_cast<double>(coarse.count));
-  const double least = 0.5 * std::log(kCountPrecision);
-  double from_coarse = 0.5 * gap;
-  if (!middle && coarse.error > 1 && fine.error > 0) {
-    from_coarse = gap * std::log(coarse.error) / std::log(coarse.error / fine.error);
-  }
-  from_coarse = std::clamp(from_coarse, least, std::max(gap - least, least));
-  return std::llround(static_cast<double>(coarse.count) * std::exp(from_coarse));
-}
-
-// Where only one side of the limit is known: errors fall about like 1 / count. Aimed a little
-// beyond the limit, that the other side may be known next.
-int64_t Beyond(const Tried& tried, bool near_enough) {
-  const double aim = std::sqrt(kCountPrecision);
-  const double factor = near_enough
-                            ? std::clamp(tried.error / aim, 1 / kLongestStep, 1 / kCountPrecision)
-                            : std::clamp(tried.error * aim, kCountPrecision, kLongestStep);
-  return std::llround(static_cast<double>(tried.count) * factor);
-}
-
-// The coarsest mesh that is near enough, by false position over the number of triangles; the
-// search begins where `tolerance_mm` suggests.
+// The coarsest mesh that is near enough; the search begins where `tolerance_mm` suggests.
 DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, double tolerance_mm,
-                           const std::function<Judgement(const DecimatedMesh&)>& judge,
+                           const std::function<CountJudgement(const DecimatedMesh&)>& judge,
                            Progress& progress) {
-  const int64_t all = static_cast<int64_t>(dense.mesh.triangles.size());
-  int64_t count = std::min(GuessCount(dense.mesh, tolerance_mm), all);
+  CountSearch search(GuessCount(dense.mesh, tolerance_mm),
+                     static_cast<int64_t>(dense.mesh.triangles.size()));
   // From here most attempts start: what is far finer than needed is taken away once.
   Decimation finer = undone;
-  finer.ReduceTo(16 * count);
+  finer.ReduceTo(16 * search.Next());
   std::optional<DecimatedMesh> best;
-  Tried fine, coarse;  // near enough; not near enough
-  int in_a_row = 0;    // attempts on the same side of the limit
-  bool last_near = false;
-  while (count < all) {
-    Decimation decimation = count <= finer.triangles() ? finer : undone;
-    decimation.ReduceTo(count);
-    DecimatedMesh result = Finish(decimation, dense);
-    progress.Advance();
-    const Judgement judgement = judge(result);
-    in_a_row = judgement.near_enough == last_near ? in_a_row + 1 : 1;
-    last_near = judgement.near_enough;
-    (judgement.near_enough ? fine : coarse) = {count, judgement.error};
-    if (judgement.near_enough) {
-      best = std::move(result);
-      finer = decimation;
-      if (count <= kFewestTriangles) break;
+  std::optional<int> crossings;  // of the surface itself
+  for (int attempt = 1; !search.Done(); ++attempt) {
+    Decimation decimation = search.Next() <= finer.triangles() ? finer : undone;
+    decimation.ReduceTo(search.Next());
+    DecimatedMesh tried = Finish(decimation, dense);
+    if (attempt < kUsualAttempts) progress.Advance();
+    CountJudgement judgement = judge(tried);
+    if (judgement.near_enough && tried.self_intersections > 0) {
+      if (!crossings) crossings = static_cast<int>(FindSelfIntersections(dense.mesh).size());
+      judgement.near_enough = tried.self_intersections <= *crossings;
     }
-    if (fine.count == 0 || coarse.count == 0) {
-      count = std::max(Beyond(last_near ? fine : coarse, last_near), kFewestTriangles);
-      continue;
-    }
-    const bool settled =
-        static_cast<double>(fine.count) <= kCountPrecision * static_cast<double>(coarse.count);
-    count = Between(fine, coarse, in_a_row > 1);
-    if (settled || count <= coarse.count || count >= fine.count) break;
+    search.Learn(judgement);
+    if (!judgement.near_enough) continue;
+    best = std::move(tried);
+    finer = decimation;
   }
   return best ? std::move(*best) : Undecimated(dense);
 }
@@ -180,7 +131,7 @@ DecimatedMesh DecimateToTolerance(const DecimationSource& source, double toleran
       dense, Decimation(source.surface, source.prices), tolerance_mm,
       [&](const DecimatedMesh& tried) {
         const double error = tried.deviation.WorseP95() / tolerance_mm;
-        return Judgement{error <= 1, error};
+        return CountJudgement{error <= 1, error};
       },
       progress);
 }
@@ -193,9 +144,9 @@ DecimatedMesh DecimateToMaxError(const DecimationSource& source, double max_mm,
       [&](const DecimatedMesh& tried) {
         // Samples refute sooner than a proof fails.
         const double error = tried.deviation.both.max / max_mm;
-        return Judgement{error <= 1 && IsWithin(tried.mesh, dense.mesh, dense.scene, max_mm) &&
-                             IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm),
-                         error};
+        return CountJudgement{error <= 1 && IsWithin(tried.mesh, dense.mesh, dense.scene, max_mm) &&
+                                  IsWithin(dense.mesh, tried.mesh, RayScene(tried.mesh), max_mm),
+                              error};
       },
       progress);
   const bool as_it_was = result.mesh.triangles.size() == source.surface.triangles.size();
@@ -215,7 +166,7 @@ DecimatedMesh DecimateToMean(const DecimationSource& source, int64_t guess, doub
   double best_error = 0;
   int64_t count = guess;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    count = std::clamp(count, std::min(kFewestTriangles, all), all);
+    count = std::clamp(count, std::min(CountSearch::kFewest, all), all);
     Decimation decimation = undone;
     decimation.ReduceTo(count);
     DecimatedMesh result = count < all ? Finish(decimation, dense) : Undecimated(dense);

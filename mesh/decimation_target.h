@@ -44,14 +44,18 @@ struct DecimatedMesh {
 /// itself when it has no more than that.
 DecimatedMesh DecimateToCount(const DecimationSource& source, int64_t count);
 
+/// What the searches below tell Progress that they take; few take more.
+constexpr int kUsualAttempts = 7;
+
 /// The coarsest mesh whose WorseP95() is at most `tolerance_mm`, by false position over the
-/// number of triangles to within 3 %; the surface itself when no coarser one is near enough.
+/// number of triangles to within 3 %; the surface itself when no coarser one is near enough. More
+/// pairs of triangles that cross than the surface has are never near enough.
 DecimatedMesh DecimateToTolerance(const DecimationSource& source, double tolerance_mm,
                                   Progress& progress);
 
 /// The coarsest mesh of which no point lies farther than `max_mm` from the surface, nor a point of
 /// the surface farther from it: proven (IsWithin), not sampled. The surface itself when no coarser
-/// one is near enough.
+/// one is near enough. Searched as above.
 DecimatedMesh DecimateToMaxError(const DecimationSource& source, double max_mm, Progress& progress);
 
 /// The mesh whose `measure` (which falls when triangles become more, about like 1 / count) comes

@@ -2,15 +2,19 @@
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "calib/calib_files.h"
 #include "core/atomic_file.h"
 #include "core/capture.h"
 #include "core/command_line.h"
+#include "core/error.h"
 #include "core/image.h"
 #include "core/json_reader.h"
+#include "core/output_folder.h"
 #include "core/ply.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_files.h"
@@ -21,6 +25,9 @@
 
 namespace {
 
+constexpr const char *kComparison = "comparison.json", *kSweepTable = "sweep.csv",
+                     *kSweepChart = "sweep.svg", *kPictures = "pictures";
+
 struct OutputOptions {
   bool pictures = false, sweep = false;
   std::string points, reference;
@@ -28,7 +35,7 @@ struct OutputOptions {
   void Declare(lfm::OptionVisitor& v) {
     v.Text({"points",
             "Take these points (PLY, world frame, mm; normals are estimated where there are none) "
-            "in place of WORK/scan."},
+            "in place of WORK/scan; not for a capture that brings its mesh."},
            points);
     v.Text({"reference",
             "Compare the surface with this mesh (PLY, world frame, mm): distances both ways into "
@@ -75,14 +82,40 @@ void DrawPictures(const lfm::MeshResult& result, const std::filesystem::path& fo
   progress.Advance();
 }
 
-void Compare(const lfm::MeshResult& result, const OutputOptions& output,
-             const std::filesystem::path& folder, lfm::Progress& progress) {
-  const lfm::TriangleMesh reference = lfm::ReadPlyMesh(output.reference);
-  lfm::ValidateMesh(reference, output.reference.c_str());
+// Before the work, which a bad file would waste.
+std::optional<lfm::TriangleMesh> ReadReference(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  try {
+    lfm::TriangleMesh reference = lfm::ReadPlyMesh(file);
+    lfm::ValidateReference(reference, file);
+    return reference;
+  } catch (const lfm::Error& e) {
+    throw lfm::Error(
+        std::string(e.what()) + " (--reference takes a mesh as PLY, in the world frame, in mm)",
+        e.kind());
+  }
+}
+
+// What an earlier run compared, swept and drew belongs to the mesh of then.
+void RemoveFiguresOfEarlierMesh(const std::filesystem::path& folder) {
+  for (const char* name : {kComparison, kSweepTable, kSweepChart, kPictures}) {
+    std::error_code error;
+    std::filesystem::remove_all(folder / name, error);
+    if (error) {
+      throw lfm::Error((folder / name).string() + ": cannot be removed (" + error.message() +
+                           "); it belongs to an earlier mesh",
+                       lfm::ErrorKind::kSystem);
+    }
+  }
+}
+
+void Compare(const lfm::MeshResult& result, const lfm::TriangleMesh& reference,
+             const OutputOptions& output, const std::filesystem::path& folder,
+             lfm::Progress& progress) {
   progress.Start("comparing with the reference", 1);
   const lfm::SurfaceComparison comparison =
       lfm::CompareSurfaces(result.surface, reference, output.threshold_mm);
-  lfm::WriteJson(lfm::ComparisonToJson(comparison), folder / "comparison.json");
+  lfm::WriteJson(lfm::ComparisonToJson(comparison), folder / kComparison);
   char line[200];
   std::snprintf(line, sizeof line,
                 "against the reference: mean %.4f mm, RMS %.4f mm, 95 %% %.4f mm, max %.3f mm; "
@@ -95,14 +128,14 @@ void Compare(const lfm::MeshResult& result, const OutputOptions& output,
   const std::vector<double> distances = lfm::DistancesToMesh(result.surface.vertices, reference);
   error.values.assign(distances.begin(), distances.end());
   error.value_high = output.threshold_mm;
-  DrawFromAllSides(result.surface, error, folder / "pictures", "error");
+  DrawFromAllSides(result.surface, error, folder / kPictures, "error");
 }
 
 void Sweep(const lfm::MeshResult& result, const lfm::CalibResult& calib,
            const std::filesystem::path& folder, lfm::Progress& progress) {
   const std::vector<lfm::SweepRow> rows = lfm::SweepDecimation(result.surface, calib, progress);
-  lfm::WriteFileAtomically(folder / "sweep.csv", lfm::SweepToCsv(rows));
-  lfm::WriteFileAtomically(folder / "sweep.svg", lfm::SweepToSvg(rows));
+  lfm::WriteFileAtomically(folder / kSweepTable, lfm::SweepToCsv(rows));
+  lfm::WriteFileAtomically(folder / kSweepChart, lfm::SweepToSvg(rows));
 }
 
 lfm::MeshResult Build(const lfm::Capture& capture, const std::filesystem::path& work,
@@ -110,18 +143,19 @@ lfm::MeshResult Build(const lfm::Capture& capture, const std::filesystem::path& 
                       const lfm::MeshOptions& options, lfm::Progress& progress) {
   const lfm::ImageLoader photos = lfm::MakeImageLoader(capture);
   if (capture.BringsGeometry()) {
+    if (!points.empty()) {
+      throw lfm::Error("--points " + points + ": the capture brings its own mesh, " + capture.mesh +
+                       "; leave out --points");
+    }
     return lfm::PrepareGivenMesh(lfm::ReadPlyMesh(capture.folder / capture.mesh), calib, options,
                                  progress, photos);
   }
-  if (!points.empty()) {
-    return lfm::BuildMesh(lfm::ReadPlyCloud(points), {}, calib, options, progress, photos);
-  }
-  if (std::filesystem::exists(work / "scan" / "rig.json")) {
+  const std::string file = points.empty() ? (work / "scan" / "points.ply").string() : points;
+  if (points.empty() && std::filesystem::exists(work / "scan" / "rig.json")) {
     const lfm::ScanResult scan = lfm::LoadScan(work / "scan");
-    return lfm::BuildMesh(scan.points, lfm::SightsOf(scan), calib, options, progress, photos);
+    return lfm::BuildMesh(scan.points, lfm::SightsOf(scan), calib, options, progress, photos, file);
   }
-  return lfm::BuildMesh(lfm::ReadPlyCloud(work / "scan" / "points.ply"), {}, calib, options,
-                        progress, photos);
+  return lfm::BuildMesh(lfm::ReadPlyCloud(file), {}, calib, options, progress, photos, file);
 }
 
 void NoteFigures(const lfm::MeshResult& result, lfm::Progress& progress) {
@@ -160,13 +194,16 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(options), "Mesh");
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
-    const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const std::filesystem::path work = work_folder;
+    lfm::RequireWritableFolder(work / "mesh");
+    const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::CalibResult calib = lfm::CalibOfCapture(capture, work / "calib");
+    const std::optional<lfm::TriangleMesh> reference = ReadReference(output.reference);
     const lfm::MeshResult result = Build(capture, work, calib, output.points, options, progress);
+    RemoveFiguresOfEarlierMesh(work / "mesh");
     lfm::SaveMesh(result, work / "mesh");
-    if (output.pictures) DrawPictures(result, work / "mesh" / "pictures", progress);
-    if (!output.reference.empty()) Compare(result, output, work / "mesh", progress);
+    if (output.pictures) DrawPictures(result, work / "mesh" / kPictures, progress);
+    if (reference) Compare(result, *reference, output, work / "mesh", progress);
     if (output.sweep) Sweep(result, calib, work / "mesh", progress);
     NoteFigures(result, progress);
   });

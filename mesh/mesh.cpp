@@ -86,8 +86,8 @@ CleaningLimits LimitsOf(const CalibResult& calib, const MeshOptions& options) {
 }
 
 // Estimates normals where there are none, and thins what is more than the rest can hold.
-PointCloud PreparePoints(const PointCloud& points, Progress& progress) {
-  PointCloud prepared = ThinPoints(points, kMostPoints);
+PointCloud PreparePoints(const PointCloud& points, const std::string& where, Progress& progress) {
+  PointCloud prepared = ThinPoints(points, kMostPoints, where);
   if (prepared.points.size() < points.points.size()) {
     progress.Note("points: " + std::to_string(points.points.size()) + " thinned to " +
                   std::to_string(prepared.points.size()));
@@ -128,10 +128,10 @@ DecimatedMesh Decimate(const DecimationSource& source, const RayScene& scene, do
         progress);
   }
   if (options.max_error_mm > 0) {
-    progress.Start("finding the coarsest mesh within the error", 6);
+    progress.Start("finding the coarsest mesh within the error", kUsualAttempts);
     return DecimateToMaxError(source, options.max_error_mm, progress);
   }
-  progress.Start("finding the coarsest mesh", 5);
+  progress.Start("finding the coarsest mesh", kUsualAttempts);
   return DecimateToTolerance(source, options.tolerance_px * pixel_mm, progress);
 }
 
@@ -195,13 +195,25 @@ void CheckGivenMesh(const TriangleMesh& given) {
 
 }  // namespace
 
+void MeshOptions::CheckTargets() const {
+  std::vector<std::string> set;
+  if (samples_per_triangle > 0) set.emplace_back("--samples-per-triangle");
+  if (triangle_count > 0) set.emplace_back("--triangle-count");
+  if (max_error_mm > 0) set.emplace_back("--max-error-mm");
+  if (set.size() < 2) return;
+  std::string names = set.front();
+  for (size_t i = 1; i < set.size(); ++i) names += (i + 1 < set.size() ? ", " : " and ") + set[i];
+  throw Error(names + " are targets of which a mesh can have one; leave out the others");
+}
+
 MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sights,
                      const CalibResult& calib, const MeshOptions& options, Progress& progress,
-                     const ImageLoader& load_image) {
+                     const ImageLoader& load_image, const std::string& where) {
   MeshOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   progress.Start("cleaning the points", 1);
-  CleanCloud clean = CleanPoints(PreparePoints(points, progress), LimitsOf(calib, options));
+  CleanCloud clean =
+      CleanPoints(PreparePoints(points, where, progress), LimitsOf(calib, options), where);
   // Strays and the platform mislead estimated normals: once more without them.
   if (points.normals.empty()) clean.cloud = EstimateNormals(clean.cloud);
   progress.Advance();

@@ -60,7 +60,11 @@ struct MeshOptions {
               "away grows by this share for each median of detail; 0 = shape alone.",
               "", 0, 1000},
              texture_weight);
+    CheckTargets();
   }
+  /// Throws Error, naming them, when more than one of the targets that stand in for the default is
+  /// set. No range of a single option can say so: every visit of the options does.
+  void CheckTargets() const;
 };
 
 struct MeshResult {
@@ -81,11 +85,11 @@ struct MeshResult {
 /// saw through is not closed over. `load_image` opens photographs when texture has a weight.
 /// `calib` supplies the pixel footprint and how far from the platform points may lie; its test
 /// photographs have no say in either. Clouds of more than four million points are thinned first
-/// (ThinPoints). Throws Error for an empty cloud, too few points, no train photograph, or a
-/// reconstruction that cannot be made closed and manifold.
+/// (ThinPoints). Throws Error for an empty cloud, too few points (naming `where`: the points'
+/// file), no train photograph, or a reconstruction that cannot be made closed and manifold.
 MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sights,
                      const CalibResult& calib, const MeshOptions& options, Progress& progress,
-                     const ImageLoader& load_image = {});
+                     const ImageLoader& load_image = {}, const std::string& where = "point cloud");
 
 /// The same result from a mesh that a capture brings along: it becomes the dense surface; it also
 /// carries the light field as it is when its triangles already hold at least as many photograph

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/ply.h"
@@ -49,8 +50,6 @@ TriangleMesh ReadWithData(const std::filesystem::path& file) {
 }  // namespace
 
 void SaveMesh(const MeshResult& result, const std::filesystem::path& folder) {
-  WritePly(result.surface, folder / "surface.ply");
-  WritePly(result.mesh, folder / "mesh.ply");
   nlohmann::json json = {{"version", kVersion},
                          {"method", result.method},
                          {"reasons", result.reasons},
@@ -64,7 +63,11 @@ void SaveMesh(const MeshResult& result, const std::filesystem::path& folder) {
                          {"mesh", CountsToJson(result.mesh)}};
   json["surface"]["self_intersections"] = result.surface_self_intersections;
   json["mesh"]["self_intersections"] = result.mesh_self_intersections;
-  WriteJson(json, folder / "mesh.json");
+  WriteFilesTogether(folder, [&](const std::filesystem::path& together) {
+    WritePly(result.surface, together / "surface.ply");
+    WritePly(result.mesh, together / "mesh.ply");
+    WriteJson(json, together / "mesh.json");
+  });
 }
 
 MeshResult LoadMesh(const std::filesystem::path& folder) {

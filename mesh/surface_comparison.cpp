@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "core/error.h"
 
 namespace lfm {
 namespace {
+
+// Farther away, the single precision of searches is coarser than any surface.
+constexpr double kFarthest_mm = 1e6;
 
 double ShareWithin(const std::vector<double>& distances, double threshold_mm) {
   if (distances.empty()) return 0;
@@ -40,6 +44,21 @@ SurfaceComparison CompareSurfaces(const TriangleMesh& mesh, const TriangleMesh& 
   return CompareDistances(DistancesToMesh(SampleSurface(mesh, samples, 11).points, reference),
                           DistancesToMesh(SampleSurface(reference, samples, 12).points, mesh),
                           threshold_mm);
+}
+
+void ValidateReference(const TriangleMesh& reference, const std::string& where) {
+  ValidateMesh(reference, where.c_str());
+  for (size_t v = 0; v < reference.vertices.size(); ++v) {
+    const double farthest = reference.vertices[v].cwiseAbs().maxCoeff();
+    if (farthest <= kFarthest_mm) continue;
+    std::ostringstream message;
+    message << where << ": vertex " << v << " has a coordinate of " << farthest
+            << " mm, beyond a kilometre; check the mesh and its unit";
+    throw Error(message.str());
+  }
+  if (!(TotalArea(reference) > 0)) {
+    throw Error(where + ": its triangles have no area; export the mesh again");
+  }
 }
 
 nlohmann::json ComparisonToJson(const SurfaceComparison& c) {

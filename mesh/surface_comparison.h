@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "core/triangle_mesh.h"
@@ -31,6 +32,10 @@ SurfaceComparison CompareDistances(std::vector<double> from_mesh,
 /// an invalid mesh or one without area.
 SurfaceComparison CompareSurfaces(const TriangleMesh& mesh, const TriangleMesh& reference,
                                   double threshold_mm, int64_t samples = 200000);
+
+/// Throws Error, naming `where`, for a reference that nothing can be compared with: an invalid
+/// mesh, one without area, a vertex farther than a kilometre from the origin.
+void ValidateReference(const TriangleMesh& reference, const std::string& where);
 
 /// For comparison.json: statistics of each direction and of both, and the shares.
 nlohmann::json ComparisonToJson(const SurfaceComparison& comparison);

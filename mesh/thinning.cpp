@@ -43,15 +43,15 @@ Eigen::Vector3i CellOf(const Eigen::Vector3d& offset, double size_mm) {
   return cell.cast<int>().matrix();
 }
 
-void Check(const PointCloud& cloud) {
+void Check(const PointCloud& cloud, const std::string& where) {
   const size_t n = cloud.points.size();
   if ((!cloud.normals.empty() && cloud.normals.size() != n) ||
       (!cloud.confidence.empty() && cloud.confidence.size() != n)) {
-    throw Error("point cloud: every point needs a normal and a confidence, if any has one");
+    throw Error(where + ": every point needs a normal and a confidence, if any has one");
   }
   for (size_t i = 0; i < n; ++i) {
     if (!cloud.points[i].allFinite() || (!cloud.normals.empty() && !cloud.normals[i].allFinite())) {
-      throw Error("point cloud: point " + std::to_string(i) + " is not finite; check the scans");
+      throw Error(where + ": point " + std::to_string(i) + " is not finite; check the scans");
     }
   }
 }
@@ -88,9 +88,9 @@ Plan MakePlan(const PointCloud& cloud, int64_t most) {
 
 }  // namespace
 
-PointCloud ThinPoints(const PointCloud& cloud, int64_t most) {
+PointCloud ThinPoints(const PointCloud& cloud, int64_t most, const std::string& where) {
   if (static_cast<int64_t>(cloud.points.size()) <= most) return cloud;
-  Check(cloud);
+  Check(cloud, where);
   const Plan plan = MakePlan(cloud, most);
   const bool has_normals = !cloud.normals.empty();
   std::unordered_map<uint64_t, int> index;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "core/point_cloud.h"
 
@@ -14,8 +15,9 @@ namespace lfm {
 /// confidence is the mean (missing: 1). The cubes' size follows from the surface's area, as a
 /// hundred thousand of the points show it.
 ///
-/// Throws Error when normals or confidence are miscounted, or a point is not finite. `most` is
-/// positive.
-PointCloud ThinPoints(const PointCloud& points, int64_t most);
+/// Throws Error, naming `where`, when normals or confidence are miscounted, or a point is not
+/// finite. `most` is positive.
+PointCloud ThinPoints(const PointCloud& points, int64_t most,
+                      const std::string& where = "point cloud");
 
 }  // namespace lfm

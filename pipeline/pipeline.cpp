@@ -10,6 +10,7 @@
 #include "core/capture.h"
 #include "core/error.h"
 #include "core/json_reader.h"
+#include "core/output_folder.h"
 #include "core/ply.h"
 #include "encode/encode_files.h"
 #include "mesh/mesh_files.h"
@@ -198,7 +199,8 @@ MeshResult MakeMesh(const Run& run, const CalibResult& calib) {
                             run.options.mesh, run.progress, photos);
   }
   const ScanResult scan = LoadScan(run.workspace.Stage("scan"));
-  return BuildMesh(scan.points, SightsOf(scan), calib, run.options.mesh, run.progress, photos);
+  return BuildMesh(scan.points, SightsOf(scan), calib, run.options.mesh, run.progress, photos,
+                   (run.workspace.Stage("scan") / "points.ply").string());
 }
 
 std::string Lines(const std::vector<std::string>& lines) {
@@ -325,6 +327,13 @@ void RequireMaterial(const Capture& capture, int last_stage) {
   }
 }
 
+// The stages before the first that runs must have been through.
+void RequireEarlier(const Workspace& workspace, int first_stage) {
+  for (int stage = 0; stage < first_stage; ++stage) {
+    ReadStageRecord(workspace.folder, kStages[stage]);
+  }
+}
+
 }  // namespace
 
 void RefreshReport(const Capture& capture, const Workspace& workspace, Progress& progress) {
@@ -358,9 +367,12 @@ PipelineSummary RunPipeline(const fs::path& capture_folder, const PipelineOption
   if (from > to) throw Error("--from " + options.from + " lies behind --to " + options.to);
   const Run run{LoadCapture(capture_folder), {options.out}, options, progress};
   RequireMaterial(run.capture, to);
+  RequireWritableFolder(run.workspace.folder);
+  // A new workspace is not made only to say that nothing is in it.
+  if (!fs::exists(run.workspace.folder)) RequireEarlier(run.workspace, from);
   const WorkspaceLock lock(run.workspace.folder);
   for (const char* stage : kStages) RecoverStage(run.workspace.folder, stage);
-  for (int stage = 0; stage < from; ++stage) ReadStageRecord(run.workspace.folder, kStages[stage]);
+  RequireEarlier(run.workspace, from);
   // A job is described when its turn comes: by then the results that it reads are there.
   constexpr std::array<StageJob (*)(const Run&), kStages.size()> kJobs = {
       CalibJob, ScanJob, MeshJob, ResampleJob, EncodeJob, EvaluateJob, ReportJob};

@@ -10,6 +10,7 @@
 #include "core/capture.h"
 #include "core/command_line.h"
 #include "core/image.h"
+#include "core/output_folder.h"
 #include "core/ply.h"
 #include "mesh/mesh_files.h"
 #include "mesh/mesh_pictures.h"
@@ -93,6 +94,9 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const std::filesystem::path work = work_folder;
+    lfm::RequireWritableFolder(work / "resample");
+    const std::filesystem::path dense = output.dense;
+    if (!dense.empty()) lfm::RequireWritableFolder(dense.parent_path());
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::CalibResult calib = lfm::CalibOfCapture(capture, work / "calib");
     const bool own_mesh = !std::filesystem::exists(work / "mesh") && capture.BringsGeometry();
@@ -105,9 +109,9 @@ int main(int argc, char** argv) {
         lfm::Resample(capture, calib, mesh.surface, mesh.mesh, lfm::MakeImageLoader(capture),
                       options, file, progress);
     Report(result, progress);
-    if (output.dense.empty() && !output.pictures) return;
+    if (dense.empty() && !output.pictures) return;
     const lfm::LightField light_field = lfm::LightField::Open(file);
-    if (!output.dense.empty()) lfm::WriteDense(light_field, output.dense, progress);
+    if (!dense.empty()) lfm::WriteDense(light_field, dense, progress);
     if (output.pictures) {
       progress.Start("drawing", 2);
       DrawCoverage(light_field, work / "resample" / "pictures");

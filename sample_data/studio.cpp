@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "calib/board.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/output_folder.h"
 #include "core/parallel.h"
 #include "core/ply.h"
 #include "sample_data/camera_path.h"
@@ -60,6 +62,7 @@ std::string PhotoEnding(const StudioOptions& options) {
 Board ChooseBoard(const std::string& file) {
   if (file.empty()) return DefaultBoard();
   Board board = ReadBoard(file);
+  RequireReadableMarks(board, file);
   for (const BoardPlate& plate : PlatesOf(board)) {
     if (std::max(plate.board->width_mm, plate.board->height_mm) > kTableSizeMm) {
       throw Error(file + ": the board is larger than the studio's table of " +
@@ -334,14 +337,7 @@ StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
 
 void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
                  Progress& progress) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder, error)) {
-    if (std::filesystem::exists(folder, error)) {
-      throw Error(folder.string() + " is a file; give --out the name of a folder");
-    }
-    throw Error(folder.string() + " cannot be made; give --out another name", ErrorKind::kSystem);
-  }
+  RequireWritableFolder(folder);
   if (options.mesh.empty() && options.scene != kPaintedScene) {
     SceneDescription scene =
         FindScene(options.scene, options.tiny ? SceneDetail::kTiny : SceneDetail::kDefault);
@@ -357,10 +353,15 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
   ImageWriteOptions write;
   write.png_compression = 1;
   if (options.jpeg_quality > 0) write.jpeg_quality = options.jpeg_quality;
-  std::filesystem::remove(folder / "capture.json", error);
+  // What turns out to be wrong with the options before leaves an earlier capture as it is.
+  std::once_flag first_picture;
   const StudioResult result = RenderStudio(
       options,
       [&](const std::string& file, const Image& picture) {
+        std::call_once(first_picture, [&] {
+          std::error_code error;
+          std::filesystem::remove(folder / "capture.json", error);
+        });
         WriteImage(picture, folder / file, write);
       },
       progress);

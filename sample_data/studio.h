@@ -39,11 +39,11 @@ StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
                           Progress& progress);
 
 /// Makes a whole capture folder. Every file is written under a temporary name and renamed;
-/// capture.json of an earlier run is removed first and written last, so that a folder with a
-/// manifest is complete. Beside the truth's manifest stand ground_truth/exports (exports.h),
-/// studio.json (studio_report.h; rays and noise are notes to `progress`, too) and,
-/// when anything of options.trouble is not at its default, trouble.json, platform.json and the
-/// printed board (docs/formats.md).
+/// capture.json of an earlier run is removed before the first picture and written last, so that a
+/// folder with a manifest is complete. Options that cannot be followed leave no folder. Beside the
+/// truth's manifest stand ground_truth/exports (exports.h), studio.json (studio_report.h; rays and
+/// noise are notes to `progress`, too) and, when anything of options.trouble is not at its default,
+/// trouble.json, platform.json and the printed board (docs/formats.md).
 void MakeCapture(const StudioOptions& options, const std::filesystem::path& folder,
                  Progress& progress);
 

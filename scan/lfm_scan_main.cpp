@@ -7,6 +7,7 @@
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/image.h"
+#include "core/output_folder.h"
 #include "scan/scan.h"
 #include "scan/scan_files.h"
 #include "scan/scan_pictures.h"
@@ -58,11 +59,12 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(options), "Scan");
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
+    const std::filesystem::path work = work_folder;
+    lfm::RequireWritableFolder(work / "scan");
     const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     if (capture.board.empty()) {
       throw lfm::Error(capture_folder + "/capture.json names no board; scans need the platform");
     }
-    const std::filesystem::path work = work_folder;
     const lfm::Board board = lfm::ReadBoard(capture.folder / capture.board);
     const lfm::CalibResult calib = lfm::CalibOfCapture(capture, work / "calib");
     const lfm::ScanResult result = lfm::Scan(capture, board, calib, lfm::MakeImageLoader(capture),

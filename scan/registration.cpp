@@ -13,6 +13,7 @@
 
 #include "core/parallel.h"
 #include "scan/pose_parameters.h"
+#include "scan/solver_log.h"
 
 namespace lfm {
 namespace {
@@ -167,6 +168,7 @@ std::vector<Pose> AdjustPoses(const Search& search, const std::vector<Pose>& pos
   options.max_num_iterations = 20;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
+  SilenceSolverLog();
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) return poses;

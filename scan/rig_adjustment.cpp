@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "scan/rig_problem.h"
+#include "scan/solver_log.h"
 
 namespace lfm {
 namespace {
@@ -108,6 +109,7 @@ RigState SolveOnce(const RigState& start, const RigData& data, const RigFreedom&
   solver.gradient_tolerance = 1e-14;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
+  SilenceSolverLog();
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &a->problem, &summary);
   if (!summary.IsSolutionUsable()) {

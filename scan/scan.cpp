@@ -155,10 +155,23 @@ void RemoveRaster(double gain, Sets& sets) {
   }
 }
 
+/// Why placements cannot be used is what their owner can mend.
+[[noreturn]] void ThrowNoRig(size_t asked, const Sets& placements) {
+  const ScanFailure& example = placements.failures.front();
+  throw Error("the rig cannot be calibrated: only " + std::to_string(placements.usable.size()) +
+              " of " + std::to_string(asked) +
+              " placements of the empty platform can be used, at least two are needed; for one, " +
+              example.id + ": " + example.reason);
+}
+
 /// The rig to start from: the known one, or one calibrated on the placements alone; then once more
 /// without the projector's raster.
 RigCalibration StartRig(const Capture& capture, const Camera& camera,
                         const std::optional<KnownRig>& known, Sets& placements) {
+  constexpr size_t kFewestPlacements = 2;
+  if (!known && placements.usable.size() < kFewestPlacements && !placements.failures.empty()) {
+    ThrowNoRig(capture.scanner->placements.size(), placements);
+  }
   // Which lens terms the projector needs is asked once, without the raster.
   RigCalibration rig = known ? RigFromKnown(*known, capture)
                              : Calibrated(capture, camera, placements, {.lens_terms = 4});
@@ -218,6 +231,7 @@ void RequireScanner(const Capture& capture, const CalibResult& calib, bool rig_k
     throw Error("the calibration lacks the scanner's camera \"" + scanner.camera +
                 "\"; run lfm-calib again");
   }
+  if (!rig_known) RequireSameSize(capture, calib.cameras.at(scanner.camera));
   if (scanner.scans.empty()) throw Error("the capture has a scanner but no scans of the object");
   if (scanner.placements.empty() && !rig_known) {
     throw Error(

@@ -136,4 +136,14 @@ PatternSequence RequireColumns(const Capture& capture, const std::vector<std::st
   return sequence;
 }
 
+void RequireSameSize(const Capture& capture, const Camera& calibrated) {
+  const std::string& name = capture.scanner->camera;
+  const CaptureCamera& camera = capture.cameras.at(name);
+  if (calibrated.width == camera.width && calibrated.height == camera.height) return;
+  throw Error("the scanner's camera \"" + name + "\" was calibrated for pictures of " +
+              Size(calibrated.width, calibrated.height) +
+              " pixels, but those of the capture have " + Size(camera.width, camera.height) +
+              "; run lfm-calib again on this capture");
+}
+
 }  // namespace lfm

@@ -49,4 +49,8 @@ std::vector<DecodedSet> DecodeSets(const std::vector<ScanSet>& sets,
 PatternSequence RequireColumns(const Capture& capture, const std::vector<std::string>& roles,
                                const char* key);
 
+/// Throws Error, naming both sizes, unless the scanner's camera was calibrated for pictures of the
+/// size that the capture's have.
+void RequireSameSize(const Capture& capture, const Camera& calibrated);
+
 }  // namespace lfm

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <string>
 
+#include "core/atomic_file.h"
 #include "core/camera_json.h"
 #include "core/error.h"
 #include "core/json_reader.h"
@@ -162,11 +163,13 @@ PointCloud ReadCloud(const std::filesystem::path& file, size_t expected) {
 }  // namespace
 
 void SaveScan(const ScanResult& result, const std::filesystem::path& folder) {
-  for (size_t i = 0; i < result.scans.size(); ++i) {
-    WritePly(result.scans[i].cloud, folder / ScanFileName(i));
-  }
-  WritePly(result.points, folder / "points.ply");
-  WriteJson(RigJson(result), folder / "rig.json");
+  WriteFilesTogether(folder, [&](const std::filesystem::path& together) {
+    for (size_t i = 0; i < result.scans.size(); ++i) {
+      WritePly(result.scans[i].cloud, together / ScanFileName(i));
+    }
+    WritePly(result.points, together / "points.ply");
+    WriteJson(RigJson(result), together / "rig.json");
+  });
   RemoveStaleScans(folder, result.scans.size());
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "scan/solver_log.h"
 #include "scan/turntable_residual.h"
 
 namespace lfm {
@@ -118,6 +119,7 @@ TurntableRun FitRun(TurntableRun run, const std::vector<PoseEstimate>& poses) {
   options.linear_solver_type = ceres::DENSE_QR;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
+  SilenceSolverLog();
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 

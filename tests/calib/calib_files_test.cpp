@@ -12,6 +12,7 @@
 
 #include "calib/board.h"
 #include "core/error.h"
+#include "error_message.h"
 #include "rendered_board.h"
 
 namespace lfm {
@@ -178,6 +179,31 @@ TEST_F(CalibFiles, RefusesTruncatedAndHostileFiles) {
     std::filesystem::remove(folder_ / file);
     EXPECT_THROW(LoadCalib(folder_), Error) << file;
   }
+}
+
+TEST_F(CalibFiles, RefusesAShapeThatNoPlatformHasAndNamesItsFileAndField) {
+  const auto message = [&](double bend, double shift) {
+    CalibResult result = SomeResult();
+    result.platform_shape.bend_per_mm.y() = bend;
+    result.platform_shape.shifts_mm[1].y() = shift;
+    SaveCalib(result, folder_);
+    return MessageOf([&] { LoadCalib(folder_); });
+  };
+  EXPECT_EQ(message(-1e-4, 3), "");
+  for (const double bend : {1e300, -1e5, 0.01}) {
+    EXPECT_NE(message(bend, 0).find("platform.json: bend_per_mm"), std::string::npos) << bend;
+  }
+  for (const double shift : {1e300, -1e3}) {
+    EXPECT_NE(message(0, shift).find("platform.json: shifts_mm"), std::string::npos) << shift;
+  }
+}
+
+TEST_F(CalibFiles, RefusesACameraThatNoLensHasAndNamesFileAndCamera) {
+  CalibResult result = SomeResult();
+  result.cameras["photo"].fx = 1e300;
+  SaveCalib(result, folder_);
+  EXPECT_NE(MessageOf([&] { LoadCalib(folder_); }).find("cameras.json: cameras.photo.fx"),
+            std::string::npos);
 }
 
 TEST_F(CalibFiles, RefusesWhatIsNoCovariance) {

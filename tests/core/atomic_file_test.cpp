@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 
+#include "core/error.h"
 #include "test_files.h"
 
 namespace lfm {
@@ -125,6 +126,40 @@ TEST(ReadFile, ReadsAllBytesAndRefusesTheRest) {
   ExpectError([&] { ReadFile("/dev/zero"); }, "is not a file");
   Put(folder / "empty", "");
   EXPECT_EQ(ReadFile(folder / "empty"), "");
+}
+
+TEST(AtomicFile, FilesWrittenTogetherReplaceAllOrNone) {
+  const TestFolder folder;
+  const auto write = [](const std::string& content, size_t bytes) {
+    return [=](const std::filesystem::path& together) {
+      WriteFileAtomically(together / "a.txt", content);
+      WriteFileAtomically(together / "b.txt", content + std::string(bytes, '.'));
+    };
+  };
+  WriteFilesTogether(folder / "made/here", write("first", 0));
+  WriteFileAtomically(folder / "made/here/other.txt", "kept");
+  {
+    const SmallDisk small(1000);
+    try {
+      WriteFilesTogether(folder / "made/here", write("second", 2000));
+      FAIL() << "a full disk went unnoticed";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kSystem);
+      EXPECT_NE(std::string(error.what()).find((folder / "made/here/b.txt").string()),
+                std::string::npos);
+    }
+  }
+  EXPECT_EQ(ReadFile(folder / "made/here/a.txt"), "first");
+  EXPECT_EQ(ReadFile(folder / "made/here/b.txt"), "first");
+  WriteFilesTogether(folder / "made/here", write("third", 1));
+  EXPECT_EQ(ReadFile(folder / "made/here/a.txt"), "third");
+  EXPECT_EQ(ReadFile(folder / "made/here/b.txt"), "third.");
+  EXPECT_EQ(ReadFile(folder / "made/here/other.txt"), "kept");
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "made/here")) {
+    files += entry.is_regular_file() ? 1 : 100;
+  }
+  EXPECT_EQ(files, 3);
 }
 
 }  // namespace

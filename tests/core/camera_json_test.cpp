@@ -11,7 +11,7 @@ namespace {
 Camera SomeCamera() {
   Camera camera;
   camera.width = 960, camera.height = 720;
-  camera.fx = 1.0 / 3, camera.fy = 2000.0 / 7, camera.cx = 481.5, camera.cy = -3;
+  camera.fx = 4000.0 / 3, camera.fy = 2000.0 / 7, camera.cx = 481.5, camera.cy = -3;
   camera.k1 = -0.1, camera.k2 = 0.02, camera.k3 = 1e-9, camera.p1 = 4e-4, camera.p2 = -2e-4;
   return camera;
 }
@@ -64,6 +64,24 @@ TEST(CameraJson, RefusesWhatIsNoCamera) {
   refuses("cx", nullptr);
   refuses("k4", nullptr);
   refuses("k7", 1);
+}
+
+TEST(CameraJson, RefusesWhatNoLensHasAndAcceptsLongAndShiftedOnes) {
+  const auto parse = [](const char* key, double value) {
+    nlohmann::json json = CameraToJson(SomeCamera());
+    json[key] = value;
+    Parse(json, LensKeys::kRequired);
+  };
+  for (const char* key : {"fx", "fy"}) {
+    EXPECT_NO_THROW(parse(key, 20 * 960));
+    for (const double value : {1e300, 1e7, 0.1}) ExpectError([&] { parse(key, value); }, key);
+  }
+  for (const char* key : {"cx", "cy"}) {
+    EXPECT_NO_THROW(parse(key, -3 * 960));
+    for (const double value : {1e10, -1e300}) {
+      ExpectError([&] { parse(key, value); }, std::string("file.json: ") + key);
+    }
+  }
 }
 
 }  // namespace

@@ -20,6 +20,11 @@ struct Outcome {
   bool ran = false;
 };
 
+struct ToolOptions {
+  int count = 1;
+  void Declare(OptionVisitor& v) { v.Integer({"count", "How many.", "", 1, 9}, count); }
+};
+
 Outcome RunTool(
     std::vector<std::string> arguments,
     const std::function<void(Progress&)>& body = [](Progress&) {}) {
@@ -29,6 +34,8 @@ Outcome RunTool(
   Outcome outcome;
   CommandLine line("lfm-tool", "Does things.", "lfm-tool input");
   line.Positional("FIRST", "The first.", outcome.first);
+  ToolOptions options;
+  line.Options(AnyOptions(options));
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   outcome.status = line.Run(static_cast<int>(argv.size()), argv.data(), [&](Progress& progress) {
@@ -132,6 +139,58 @@ TEST(CommandLine, QuietSaysNothing) {
   const auto talk = [](Progress& progress) { progress.Note("half way"); };
   EXPECT_EQ(RunTool({"a", "--quiet"}, talk).error, "");
   EXPECT_EQ(RunTool({"a"}, talk).error, "half way\n");
+}
+
+// What the tool says of a config file with this content.
+Outcome RunWithConfig(const TestFolder& folder, const std::string& content,
+                      std::vector<std::string> more = {}) {
+  Put(folder / "tool.toml", content);
+  more.insert(more.begin(), {"a", "--config", (folder / "tool.toml").string()});
+  return RunTool(more);
+}
+
+TEST(CommandLine, AConfigFileThatIsWrongIsNamedWithWhatIsWrong) {
+  const TestFolder folder;
+  for (const auto& [content, part] :
+       {std::pair("count = 3\n[x", "line 2: a section's name ends with ]"),
+        std::pair("[x\ncount = 3\n", "line 1: a section's name ends with ]"),
+        std::pair("[x]\ncount = 3\n", "line 1: options are in no sections"),
+        std::pair("ab", "line 1: \"ab\" is no option"), std::pair("count =\n", "gives no value"),
+        std::pair("# fine\n\ncount = [3,\n", "line 3: its [ is never closed"),
+        std::pair("colour = 3\n", "unknown option colour"), std::pair("count = many\n", "--count"),
+        std::pair("count = 99\n", "--count is 99")}) {
+    const Outcome outcome = RunWithConfig(folder, content);
+    EXPECT_EQ(outcome.status, 2) << content;
+    EXPECT_FALSE(outcome.ran) << content;
+    ExpectOneErrorLine(outcome, (folder / "tool.toml").string() + ": ");
+    ExpectOneErrorLine(outcome, part);
+  }
+}
+
+TEST(CommandLine, AConfigFileOfGarbageIsNotEchoed) {
+  const TestFolder folder;
+  const std::string garbage = "\x1b[31m\x07\xff\xfe" + std::string(5000, '\x01') + "\n";
+  const Outcome binary = RunWithConfig(folder, garbage);
+  EXPECT_EQ(binary.status, 2);
+  ExpectOneErrorLine(binary, "tool.toml: line 1: is no text");
+  const Outcome wordy = RunWithConfig(folder, std::string(5000, 'x') + " = 3\n");
+  EXPECT_EQ(wordy.status, 2);
+  EXPECT_LT(wordy.error.size(), 700U);
+}
+
+TEST(CommandLine, AConfigFileThatIsRightIsFollowedAndNotBlamed) {
+  const TestFolder folder;
+  EXPECT_EQ(RunWithConfig(folder, "# as ever\n\n  count = 3 # three\nquiet=true\n").status, 0);
+  const Outcome outcome = RunWithConfig(folder, "count = 3\n", {"--count", "99"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.error.find("tool.toml"), std::string::npos) << outcome.error;
+}
+
+TEST(CommandLine, WhatATerminalWouldObeyIsEscaped) {
+  const Outcome outcome = RunTool({"a", "--no\x1b[2Jnsense\xff\xc2\x9b", "--na\xc3\xafve"});
+  EXPECT_EQ(outcome.status, 2);
+  ExpectOneErrorLine(outcome, "--no\\x1b[2Jnsense\\xff\\xc2\\x9b");
+  ExpectOneErrorLine(outcome, "na\xc3\xafve");
 }
 
 TEST(CommandLine, VerboseOpensDetails) {

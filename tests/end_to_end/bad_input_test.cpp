@@ -202,6 +202,33 @@ TEST(BadInput, ASecondRunInOneWorkspaceIsRefused) {
   ExpectInputError(small.RunPipeline({"-q"}), {small.work().string(), "another run"});
 }
 
+TEST(BadInput, AWorkspaceThatCannotBeWrittenIsSaidBeforeAnyWork) {
+  const SmallCapture small;
+  const std::string capture = small.capture(), file = small.capture() / "capture.json";
+  for (const std::string& work : {file, file + "/x", std::string("/proc/x")}) {
+    const std::vector<std::vector<std::string>> lines = {
+        {"lfm-calib", capture, work},
+        {"lfm-scan", capture, work},
+        {"lfm-mesh", capture, work},
+        {"lfm-resample", capture, work},
+        {"lfm-encode", work},
+        {"lfm-board", work},
+        {"lfm-capture", "--out", work},
+        {"lfm-pipeline", "run", capture, "--out", work}};
+    for (std::vector<std::string> line : lines) {
+      const std::string command = line[0];
+      line[0] = SmallCapture::Command(command);
+      ExpectInputError(RunCommand(line), {command + ": error: " + work, "nothing can be written"});
+    }
+  }
+}
+
+TEST(BadInput, ARunFromALaterStageOnMakesNoWorkspace) {
+  const SmallCapture small;
+  ExpectInputError(small.RunPipeline({"--from", "mesh", "-q"}), {"lfm-pipeline: error:", "calib"});
+  EXPECT_FALSE(fs::exists(small.work()));
+}
+
 TEST(BadInput, AMissingCaptureIsNamed) {
   ExpectInputError(RunCommand({SmallCapture::Command("lfm-pipeline"), "run", "/no/such/capture"}),
                    {"/no/such/capture"});

@@ -141,7 +141,30 @@ TEST(Cleaning, ErrorsSayWhatToCheck) {
   PointCloud same;
   same.points.assign(500, {1, 2, 30});
   same.normals.assign(500, {0, 0, 1});
-  EXPECT_NE(message(same), "");
+  EXPECT_NE(message(same).find("all 500 points are the same"), std::string::npos);
+}
+
+TEST(Cleaning, ErrorsNameTheFile) {
+  PointCloud same;
+  same.points.assign(500, {1, 2, 30});
+  same.normals.assign(500, {0, 0, 1});
+  for (const PointCloud& cloud : {PointCloud{}, same, SphereCloud(80)}) {
+    EXPECT_EQ(ErrorOf([&] { CleanPoints(cloud, {}, "dir/a.ply"); }).find("dir/a.ply: "), 0u);
+  }
+}
+
+// A ball of 60 mm and one of half a metre, whose walls are higher than a third of the margin.
+TEST(Cleaning, MetresAreNamed) {
+  for (const double per_mm : {0.001, 0.008}) {
+    PointCloud cloud = SphereCloud(3000);
+    for (Eigen::Vector3d& p : cloud.points) p *= per_mm;
+    const std::string message = ErrorOf([&] { CleanPoints(cloud, {}); });
+    EXPECT_NE(message.find("looks to be in metres"), std::string::npos) << message;
+    EXPECT_EQ(message.find("--platform-margin-mm"), std::string::npos) << message;
+  }
+  PointCloud platform;
+  test::AddPlatform(platform, 1000, 100, 0, 0.05, 1);
+  EXPECT_EQ(ErrorOf([&] { CleanPoints(platform, {}); }).find("metres"), std::string::npos);
 }
 
 }  // namespace

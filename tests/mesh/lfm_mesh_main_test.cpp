@@ -63,8 +63,8 @@ TEST(MeshCommand, MakesTheFilesAndSaysWhatItDid) {
   }
 }
 
-TEST(MeshCommand, CaptureThatBringsItsMesh) {
-  const Workspace workspace;
+// Makes the capture one that brings cameras, poses and a mesh.
+void BringMesh(const Workspace& workspace) {
   const CalibResult calib = test::MakeCalib(12, 300, 30);
   Capture manifest = LoadCapture(workspace.capture);
   manifest.board.clear();
@@ -75,9 +75,73 @@ TEST(MeshCommand, CaptureThatBringsItsMesh) {
   }
   SaveCapture(manifest);
   WritePly(test::MakeSphere(30, 3, {0, 0, 30}), workspace.capture / "given.ply");
+}
+
+TEST(MeshCommand, CaptureThatBringsItsMesh) {
+  const Workspace workspace;
+  BringMesh(workspace);
   const CommandOutcome outcome = workspace.Run();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(LoadMesh(workspace.work / "mesh").mesh.triangles.size(), 1280u);
+}
+
+TEST(MeshCommand, PointsAreRefusedWhereTheCaptureBringsItsMesh) {
+  const Workspace workspace;
+  BringMesh(workspace);
+  const CommandOutcome outcome =
+      workspace.Run({"--points", (workspace.work / "scan" / "points.ply").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(IsOneLineWith(outcome.err, {"--points", "points.ply", "given.ply"})) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(workspace.work / "mesh"));
+}
+
+TEST(MeshCommand, FiguresOfAnEarlierMeshGo) {
+  const Workspace workspace;
+  BringMesh(workspace);
+  const auto folder = workspace.work / "mesh";
+  const std::vector<std::string> names = {"comparison.json", "sweep.csv", "sweep.svg",
+                                          "pictures/error_60.png"};
+  ASSERT_EQ(
+      workspace
+          .Run({"--reference", (workspace.capture / "given.ply").string(), "--sweep", "--pictures"})
+          .status,
+      0);
+  for (const std::string& name : names) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  ASSERT_EQ(workspace.Run().status, 0);
+  for (const std::string& name : names) {
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "pictures"));
+  EXPECT_EQ(LoadMesh(folder).mesh.triangles.size(), 1280u);
+}
+
+// Before the work: the earlier mesh and what was measured of it stay.
+TEST(MeshCommand, ABadReferenceCostsNothing) {
+  const Workspace workspace;
+  BringMesh(workspace);
+  const auto reference = workspace.scratch.folder / "reference.ply";
+  const auto kept = workspace.work / "mesh" / "comparison.json";
+  WriteFileAtomically(kept, "kept");
+  const auto expect = [&](const std::string& part) {
+    const CommandOutcome outcome = workspace.Run({"--reference", reference.string()});
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_TRUE(IsOneLineWith(outcome.err, {"reference.ply", part, "--reference takes a mesh"}))
+        << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(workspace.work / "mesh" / "mesh.ply"));
+    EXPECT_EQ(ReadFile(kept), "kept");
+  };
+  expect("");
+  WriteFileAtomically(reference, "not a ply");
+  expect("not a PLY file");
+  WritePly(test::MeasureCloud(test::MakeSphere(30, 2), 100), reference);
+  expect("cloud");
+  TriangleMesh ball = test::MakeSphere(30, 2);
+  ball.vertices[5].x() = 1e38;
+  WritePly(ball, reference);
+  expect("1e+38 mm");
+  for (Eigen::Vector3d& v : ball.vertices) v.setZero();
+  WritePly(ball, reference);
+  expect("no area");
 }
 
 // A cloud from elsewhere: neither normals nor a scan's record.
@@ -119,6 +183,18 @@ TEST(MeshCommand, BadInputIsOneLineAndStatusTwo) {
     EXPECT_FALSE(std::filesystem::exists(workspace.work / "mesh" / "mesh.ply"));
   };
   expect("triangle-count", {"--triangle-count", "-3"});
+  expect("--triangle-count and --max-error-mm", {"--triangle-count", "500", "--max-error-mm", "1"});
+  const auto own = workspace.scratch.folder / "own.ply";
+  PointCloud cloud;
+  cloud.points.assign(500, {1, 2, 30});
+  cloud.normals.assign(500, {0, 0, 1});
+  WritePly(cloud, own);
+  expect("own.ply: all 500 points are the same", {"--points", own.string()});
+  cloud = test::MeasureCloud(test::MakeSphere(30, 4, {0, 0, 30}), 2000);
+  for (Eigen::Vector3d& p : cloud.points) p /= 1000;
+  WritePly(cloud, own);
+  expect("own.ply: all " + std::to_string(cloud.points.size()) + " points lie below 0.6 mm",
+         {"--points", own.string()});
   std::filesystem::resize_file(points, std::filesystem::file_size(points) / 2);
   expect("points.ply");
   WritePly(PointCloud{}, points);

@@ -83,6 +83,22 @@ TEST(BuildMesh, OtherTargets) {
   EXPECT_LT(bounded.mesh.triangles.size(), bounded.surface.triangles.size() / 3);
 }
 
+TEST(MeshOptions, OneTargetAtMost) {
+  const auto message = [](const MeshOptions& options) {
+    return ErrorOf([checked = options]() mutable { ValidateOptions(AnyOptions(checked)); });
+  };
+  MeshOptions options;
+  options.triangle_count = 500;
+  EXPECT_EQ(message(options), "");
+  options.max_error_mm = 1;
+  EXPECT_EQ(message(options).find("--triangle-count and --max-error-mm are targets"), 0u);
+  options.samples_per_triangle = 200;
+  EXPECT_EQ(message(options).find(
+                "--samples-per-triangle, --triangle-count and --max-error-mm are targets"),
+            0u);
+  EXPECT_EQ(ErrorOf([&] { Build(options); }), message(options));
+}
+
 // From so near that, if test photographs had a say, the object's top would lie beyond the cameras.
 TEST(BuildMesh, TestPhotographsHaveNoSay) {
   const PointCloud cloud = Capture(10000);

@@ -49,6 +49,26 @@ TEST(SurfaceComparison, ExtremesAreNamed) {
   EXPECT_THROW(CompareSurfaces({}, test::MakeSphere(1, 1), 1), Error);
 }
 
+TEST(SurfaceComparison, ReferencesOfNoUseAreNamed) {
+  const auto message = [](const TriangleMesh& mesh) {
+    return test::ErrorOf([&] { ValidateReference(mesh, "dir/truth.ply"); });
+  };
+  const TriangleMesh ball = test::MakeSphere(30, 2, {10000, -10000, 0});
+  EXPECT_EQ(message(ball), "");
+  TriangleMesh bad = ball;
+  bad.vertices[7].y() = -1e38;
+  EXPECT_EQ(message(bad).find("dir/truth.ply: vertex 7 has a coordinate of 1e+38 mm"), 0u);
+  bad = ball;
+  bad.vertices[7].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(message(bad).find("dir/truth.ply: "), 0u);
+  bad = ball;
+  bad.triangles[3][2] = 1 << 20;
+  EXPECT_EQ(message(bad).find("dir/truth.ply: "), 0u);
+  bad = ball;
+  for (Eigen::Vector3d& v : bad.vertices) v = {v.x(), 0, 0};
+  EXPECT_EQ(message(bad).find("dir/truth.ply: its triangles have no area"), 0u);
+}
+
 TEST(SurfaceComparison, JsonHoldsEveryFigure) {
   const nlohmann::json json = ComparisonToJson(CompareDistances({0.1}, {0.3}, 0.2));
   EXPECT_DOUBLE_EQ(json.at("accuracy"), 1);

@@ -143,5 +143,26 @@ TEST(BoardCapture, ABadBoardFileIsAnError) {
   EXPECT_THROW(render(), Error) << "larger than the table";
 }
 
+TEST(BoardCapture, ABoardGivenInMetresIsRefusedWithTheCure) {
+  const ScratchFolder scratch;
+  Board board;
+  board.width_mm = board.height_mm = 0.1;
+  board.tag_size_mm = 0.024;
+  board.tags = {{0, {-0.02, 0}, 0}, {1, {0.02, 0}, 0}};
+  StudioOptions options;
+  options.tiny = true;
+  options.board = (scratch.folder / "board.json").string();
+  WriteBoard(board, options.board);
+  const auto no_picture = [](const std::string& file, const Image&) { ADD_FAILURE() << file; };
+  try {
+    RenderStudio(options, no_picture, SilentProgress());
+    ADD_FAILURE() << "took it";
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find(options.board + ": tag_size_mm"), std::string::npos) << what;
+    EXPECT_NE(what.find("Multiply every length of the file by 1000"), std::string::npos) << what;
+  }
+}
+
 }  // namespace
 }  // namespace lfm

@@ -7,7 +7,10 @@
 #include <filesystem>
 #include <string>
 
+#include "calib/board.h"
+#include "core/atomic_file.h"
 #include "core/capture.h"
+#include "tests/support/scratch_folder.h"
 
 namespace lfm {
 namespace {
@@ -43,7 +46,29 @@ TEST(CaptureCommand, ExitsAsDocumented) {
   EXPECT_EQ(RunCommand("--out /nowhere/x --photos -3"), 2);
   EXPECT_EQ(RunCommand("--out /proc/none/x --tiny --photos 1 --test-photos 0 --scans 0 "
                        "--placements 0 --photo-width 32 --photo-height 24 --edge 4"),
-            1);
+            2);
+}
+
+TEST(CaptureCommand, OptionsThatCannotBeFollowedLeaveNoFolderAndAnEarlierCaptureAsItIs) {
+  const ScratchFolder scratch;
+  Board metres = DefaultBoard();
+  metres.width_mm /= 1000, metres.height_mm /= 1000, metres.tag_size_mm /= 1000;
+  metres.checker_square_mm /= 1000;
+  for (BoardTag& tag : metres.tags) tag.center_mm /= 1000;
+  const std::string board = (scratch.folder / "metres.json").string();
+  WriteBoard(metres, board);
+  const std::filesystem::path fresh = scratch.folder / "fresh",
+                              earlier = scratch.folder / "earlier";
+  WriteFileAtomically(earlier / "capture.json", "an earlier capture");
+  for (const std::string& options : {std::string("--scene nope"), std::string("--mesh nope.ply"),
+                                     std::string("--board nope.json"), "--board " + board,
+                                     std::string("--photos 4 --test-photos 9")}) {
+    for (const std::filesystem::path& folder : {fresh, earlier}) {
+      EXPECT_EQ(RunCommand("--tiny --out " + folder.string() + " " + options), 2) << options;
+    }
+    EXPECT_FALSE(std::filesystem::exists(fresh)) << options;
+    EXPECT_EQ(ReadFile(earlier / "capture.json"), "an earlier capture") << options;
+  }
 }
 
 }  // namespace

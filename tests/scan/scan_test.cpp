@@ -112,6 +112,31 @@ TEST(Scan, PlacementOfAnotherSizeIsSetAsideWithTheReason) {
   EXPECT_NE(result.rejected[0].reason.find("120 x 90"), std::string::npos);
 }
 
+TEST(Scan, ACalibrationForPicturesOfAnotherSizeIsNamedBeforeAnyIsLoaded) {
+  Studio studio = TheStudio();
+  Camera& camera = studio.calib.cameras.at(studio.capture.scanner->camera);
+  const std::string ours = std::to_string(camera.width) + " x " + std::to_string(camera.height);
+  camera.width += 7;
+  studio.files.clear();
+  const std::string error = ErrorOf(studio);
+  EXPECT_NE(error.find("\"" + studio.capture.scanner->camera + "\""), std::string::npos) << error;
+  EXPECT_NE(error.find(std::to_string(camera.width) + " x "), std::string::npos) << error;
+  EXPECT_NE(error.find(ours), std::string::npos) << error;
+}
+
+TEST(Scan, PlacementsOfWhichNoneCanBeUsedSayWhy) {
+  Studio studio = TheStudio();
+  for (const ScanSet& placement : studio.capture.scanner->placements) {
+    for (const std::string& frame : placement.frames) {
+      studio.files[frame] = Image(120, 90, 1, PixelType::kUint8, ColorEncoding::kSrgb);
+    }
+  }
+  const std::string error = ErrorOf(studio);
+  for (const char* part : {"only 0 of 5 placements", "placement-0", "120 x 90"}) {
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  }
+}
+
 TEST(Scan, WhatCannotWorkIsAnErrorThatSaysWhy) {
   // Roles without columns: said before a picture is read.
   for (const char* kind : {"scan_roles", "placement_roles"}) {
