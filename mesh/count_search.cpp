@@ -31,9 +31,9 @@ int64_t CountSearch::Between(bool middle) const {
 }
 
 // How many times the triangles where only one side of the limit is known: errors are a power of the
-// count, the power that the last two tell. Aimed a little beyond the
-// limit, that the other side may be known next; twice or half where that keeps failing, or where
-// samples see nothing wrong with a mesh that is refused.
+// count, the power that the last two tell. Aimed a little beyond the limit, that the other side may
+// be known next; twice or half where that keeps failing, or where samples see nothing wrong with a
+// mesh that is refused.
 double CountSearch::StepBeyond(const CountJudgement& last) const {
   const double aim = std::sqrt(kPrecision);
   const double least = in_a_row_ > 3 || (!last.near_enough && last.error <= 1) ? 2 : kPrecision;

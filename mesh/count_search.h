@@ -15,9 +15,9 @@ struct CountJudgement {
 
 /// Looks for the smallest number of triangles that is near enough, by false position: the
 /// logarithms of error and count are taken for a line between what is near enough and what is not.
-/// Steps that learn from one side alone alternate with bisection. To within 3 %; ends for any
-/// judgements, after about twice the logarithm of `all` to the base 2 at most, five or so where
-/// errors are smooth.
+/// Two attempts in a row on one side are followed by bisection. To within 3 %; ends for any
+/// judgements, after about twice the logarithm of `all` to the base 2 at most; sooner where errors
+/// are smooth and the guess is fair.
 class CountSearch {
  public:
   static constexpr int64_t kFewest = 16;
