@@ -39,6 +39,8 @@ struct PosedImage {
   /// The corners used, of scans and placements: the scanner's rig is adjusted to them together with
   /// what its projector shows. Photographs list none.
   std::vector<SeenCorner> seen;
+  /// Of the file when it was calibrated (FileFingerprint); empty when not known.
+  std::string fingerprint;
 };
 
 struct RejectedImage {

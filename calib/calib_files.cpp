@@ -11,6 +11,7 @@
 #include "core/atomic_file.h"
 #include "core/camera_json.h"
 #include "core/error.h"
+#include "core/hash.h"
 #include "core/json_reader.h"
 
 namespace lfm {
@@ -45,6 +46,7 @@ nlohmann::json PosedImagesToJson(const std::vector<PosedImage>& images) {
                     {"tags", image.tags},
                     {"corners", image.corners},
                     {"reprojection_rms_px", image.reprojection_rms_px}});
+    if (!image.fingerprint.empty()) list.back()["fingerprint"] = image.fingerprint;
     if (!image.seen.empty()) list.back()["seen"] = SeenToJson(image.seen);
   }
   return list;
@@ -84,6 +86,7 @@ PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Ca
   image.corners = reader.Integer("corners", 0, kMaxCount);
   image.reprojection_rms_px = reader.Number("reprojection_rms_px");
   if (image.reprojection_rms_px < 0) reader.Fail("reprojection_rms_px", "must not be negative");
+  if (reader.Has("fingerprint")) image.fingerprint = reader.Text("fingerprint");
   if (reader.Has("seen")) {
     for (const std::vector<double>& row : reader.NumberRows("seen", 5)) {
       image.seen.push_back({{row[0], row[1], row[2]}, {row[3], row[4]}});
@@ -153,6 +156,21 @@ std::vector<PosedImage> GivenScans(const std::vector<ScanSet>& sets, const std::
   return images;
 }
 
+// Refuses a calibration of other pictures that bear the same names.
+void RequireSamePictures(const Capture& capture, const std::vector<PosedImage>& images,
+                         const std::filesystem::path& calib_folder) {
+  for (const PosedImage& image : images) {
+    if (image.fingerprint.empty()) continue;
+    const std::filesystem::path file = capture.folder / image.file;
+    const std::string now = FileFingerprint(file);
+    if (now.empty() || now == image.fingerprint) continue;
+    throw Error((calib_folder / "poses.json").string() +
+                ": is the calibration of another capture, "
+                "or older than " +
+                file.string() + "; run lfm-calib again, or name its own workspace");
+  }
+}
+
 }  // namespace
 
 void SaveCalib(const CalibResult& result, const std::filesystem::path& folder) {
@@ -203,11 +221,25 @@ CalibResult CalibrateCapture(const Capture& capture, const CalibOptions& options
                 ": board: missing; name the board's file, or give every camera, pose and a mesh");
   }
   const Board board = ReadBoard(capture.folder / capture.board);
-  return Calibrate(capture, board, MakeImageLoader(capture), options, progress);
+  CalibResult result = Calibrate(capture, board, MakeImageLoader(capture), options, progress);
+  for (std::vector<PosedImage>* images : {&result.photos, &result.scans, &result.placements}) {
+    for (PosedImage& image : *images) {
+      image.fingerprint = FileFingerprint(capture.folder / image.file);
+    }
+  }
+  return result;
 }
 
 CalibResult CalibOfCapture(const Capture& capture, const std::filesystem::path& folder) {
-  return capture.BringsGeometry() ? CalibFromCapture(capture) : LoadCalib(folder);
+  return capture.BringsGeometry() ? CalibFromCapture(capture) : LoadCalibOf(capture, folder);
+}
+
+CalibResult LoadCalibOf(const Capture& capture, const std::filesystem::path& folder) {
+  CalibResult calib = LoadCalib(folder);
+  RequireSamePictures(capture, calib.photos, folder);
+  RequireSamePictures(capture, calib.scans, folder);
+  RequireSamePictures(capture, calib.placements, folder);
+  return calib;
 }
 
 CalibResult CalibFromCapture(const Capture& capture) {

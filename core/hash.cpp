@@ -3,6 +3,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <vector>
@@ -12,6 +13,26 @@
 namespace lfm {
 
 uint64_t Checksum(const void* data, size_t size) { return XXH3_64bits(data, size); }
+
+std::string FileFingerprint(const std::filesystem::path& file) {
+  constexpr uint64_t kSample = 4096;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return "";
+  const uint64_t size = std::filesystem::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  if (error || !stream) return "";
+  Hasher hasher;
+  hasher.Add(std::to_string(size));
+  std::string sample(std::min(kSample, size), '\0');
+  const uint64_t last = size - sample.size();
+  for (const uint64_t start : {uint64_t{0}, last / 2, last}) {
+    stream.seekg(static_cast<std::streamoff>(start));
+    stream.read(sample.data(), static_cast<std::streamsize>(sample.size()));
+    if (!stream) return "";
+    hasher.Add(sample);
+  }
+  return hasher.HexDigest();
+}
 
 struct Hasher::State {
   XXH3_state_t* xxh = XXH3_createState();

@@ -130,7 +130,7 @@ json Figures(const Capture& capture, const CalibResult& calib, HeldoutScores sco
 }  // namespace
 
 json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progress& progress) {
-  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
   const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
   const std::vector<HeldoutScores> scores = ScoreModel(
@@ -140,7 +140,7 @@ json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progr
 
 json EvaluateWithTruth(const Capture& capture, const Workspace& workspace, Progress& progress) {
   const GroundTruth truth = LoadGroundTruth(capture.folder);
-  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
   const std::vector<HeldoutScores> scores =
       ScoreModel(renderer, calib,
@@ -156,14 +156,14 @@ json EvaluateWithTruth(const Capture& capture, const Workspace& workspace, Progr
 
 json EvaluateGeometry(const Capture& capture, const Workspace& workspace, Progress& progress) {
   const GroundTruth truth = LoadGroundTruth(capture.folder);
-  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   progress.Start("evaluate: geometry against the truth", 1);
   return TruthGeometry(workspace, calib, truth);
 }
 
 json EvaluateImages(const Capture& capture, const Workspace& workspace, const fs::path& images,
                     Foreground foreground, Progress& progress) {
-  const CalibResult calib = LoadCalib(workspace.Stage("calib"));
+  const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   const auto score = [&](const PictureOf& masks) {
     const std::vector<HeldoutScores> scores = ScorePictures(
         PicturesIn(images, calib), calib, {{PhotographsOf(capture)}, masks}, progress);

@@ -66,6 +66,7 @@ CalibResult SomeResult() {
     image.tags = 10 + i;
     image.corners = 90;
     image.reprojection_rms_px = 0.1 / 3;
+    image.fingerprint = i == 0 ? "" : "0123456789abcdef0123456789abcdef";
     image.split = i == 0 ? PhotoSplit::kTrain : PhotoSplit::kTest;
     result.photos.push_back(image);
     result.scans.push_back(image);
@@ -115,6 +116,7 @@ TEST_F(CalibFiles, RoundTrip) {
       EXPECT_EQ(f.file, e.file);
       EXPECT_EQ(f.camera, e.camera);
       EXPECT_EQ(f.split, e.split);
+      EXPECT_EQ(f.fingerprint, e.fingerprint);
       EXPECT_EQ(f.tags, e.tags);
       EXPECT_EQ(f.corners, e.corners);
       EXPECT_EQ(f.covariance, e.covariance);
@@ -307,6 +309,18 @@ TEST_F(CalibFiles, CommandCalibratesACaptureFolder) {
   ASSERT_EQ(result.rejected.size(), 1u);
   EXPECT_EQ(result.rejected[0].id, "gone");
   EXPECT_TRUE(std::filesystem::exists(folder_ / "work/calib/pictures/photo-photo_0.png"));
+
+  // Another capture with the same names.
+  const std::filesystem::path calib = folder_ / "work" / "calib";
+  EXPECT_EQ(CalibOfCapture(capture, calib).photos.size(), 4u);
+  const std::filesystem::path first = capture.folder / capture.photos[0].file;
+  WriteImage(rendered.pictures[1], first);
+  const std::string refused = MessageOf([&] { CalibOfCapture(capture, calib); });
+  EXPECT_NE(refused.find("another capture"), std::string::npos) << refused;
+  EXPECT_NE(refused.find(first.string()), std::string::npos) << refused;
+  std::filesystem::remove(first);
+  EXPECT_EQ(CalibOfCapture(capture, calib).photos.size(), 4u);
+  WriteImage(rendered.pictures[0], first);
 
   capture.photos.resize(1);
   SaveCapture(capture);

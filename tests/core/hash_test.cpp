@@ -43,6 +43,34 @@ TEST(Hash, FilesCountByContentOnly) {
   ExpectError([&] { digest("none"); }, "none");
 }
 
+TEST(Hash, FingerprintsTellFilesOfOneNameApart) {
+  const TestFolder folder;
+  Put(folder / "short", "same"), Put(folder / "copy", "same"), Put(folder / "other", "else");
+  Put(folder / "empty", "");
+  EXPECT_EQ(FileFingerprint(folder / "short"), FileFingerprint(folder / "copy"));
+  EXPECT_EQ(FileFingerprint(folder / "empty").size(), 32u);
+  std::set<std::string> prints;
+  for (const char* name : {"short", "other", "empty"})
+    prints.insert(FileFingerprint(folder / name));
+  const std::string content(100000, 'x');
+  const auto print_with = [&](size_t at) {
+    std::string changed = content;
+    changed[at] = 'y';
+    Put(folder / "large", changed);
+    return FileFingerprint(folder / "large");
+  };
+  for (const size_t at : {0, 50000, 99999}) prints.insert(print_with(at));
+  Put(folder / "large", content + 'x');
+  prints.insert(FileFingerprint(folder / "large"));
+  EXPECT_EQ(prints.size(), 7u);
+}
+
+TEST(Hash, WhatIsNoFileHasNoFingerprint) {
+  const TestFolder folder;
+  EXPECT_EQ(FileFingerprint(folder.path()), "");
+  EXPECT_EQ(FileFingerprint(folder / "none"), "");
+}
+
 TEST(Hash, FolderIsNoFile) {
   const TestFolder folder;
   EXPECT_THROW(Hasher().AddFile(folder.path()), Error);
