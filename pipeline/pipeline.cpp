@@ -19,6 +19,7 @@
 #include "pipeline/workspace.h"
 #include "pipeline/workspace_lock.h"
 #include "scan/scan_files.h"
+#include "scan/scan_report.h"
 
 namespace lfm {
 namespace fs = std::filesystem;
@@ -171,7 +172,7 @@ StageJob ScanJob(const Run& run) {
                      MakeImageLoader(run.capture), run.options.scan, run.progress,
                      KnownRigOf(run.options.scan));
             SaveScan(result, folder);
-            for (const std::string& line : DescribePoses(result)) run.progress.Note(line);
+            for (const std::string& line : DescribeScans(result)) run.progress.Note(line);
             std::vector<std::pair<std::string, std::string>> rejected;
             for (const ScanFailure& f : result.rejected) {
               rejected.emplace_back(f.id, f.reason);

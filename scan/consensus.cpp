@@ -18,6 +18,12 @@ struct Voice {
   bool witness = false;  ///< it, or the pixel beside it, shows the surface there
 };
 
+/// One point to be judged.
+struct Judged {
+  Eigen::Vector3d point, normal;  ///< in the world
+  double sigma_mm;
+};
+
 bool SeenThrough(const RangeMap& map, int x, int y, double depth, double clear_mm) {
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -42,9 +48,9 @@ bool NeighbourAgrees(const RangeMap& map, const std::vector<Eigen::Vector2d>& ra
 }
 
 Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen::Vector2d>& rays,
-          const Eigen::Vector3d& point_in_world, const Eigen::Vector3d& normal_in_world,
-          const ConsensusOptions& options) {
-  const Eigen::Vector3d point = other.camera_from_world * point_in_world;
+          const Judged& judged, const ConsensusOptions& options) {
+  constexpr double kSigmas = 3;
+  const Eigen::Vector3d point = other.camera_from_world * judged.point;
   const std::optional<Eigen::Vector2d> pixel = Project(camera, point);
   if (!pixel) return {};
   const int x = static_cast<int>(std::lround(pixel->x()));
@@ -56,12 +62,15 @@ Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen
   const Eigen::Vector3d there = map.depth[q] * rays[q].homogeneous();
   const Eigen::Vector3d normal = map.normal[q].cast<double>();
   const double distance = normal.dot(point - there);
-  if (std::abs(distance) <= options.agree_mm) return {map.confidence[q], true};
+  const double agree_mm =
+      std::max(options.agree * point.z(), kSigmas * std::hypot(judged.sigma_mm, map.sigma_mm[q]));
+  const double contradict_mm = std::max(options.contradict * point.z(), 3 * agree_mm);
+  if (std::abs(distance) <= agree_mm) return {map.confidence[q], true};
   // The pixel beside it may show what this one is too coarse for: a crease, a slope.
-  if (NeighbourAgrees(map, rays, x, y, point, options.agree_mm)) return {0, true};
-  const bool same_side = normal.dot(other.camera_from_world.rotation * normal_in_world) > 0.5;
-  if (same_side && std::abs(distance) <= options.contradict_mm) return {-map.confidence[q], false};
-  const bool through = SeenThrough(map, x, y, point.z(), options.clear_mm);
+  if (NeighbourAgrees(map, rays, x, y, point, agree_mm)) return {0, true};
+  const bool same_side = normal.dot(other.camera_from_world.rotation * judged.normal) > 0.5;
+  if (same_side && std::abs(distance) <= contradict_mm) return {-map.confidence[q], false};
+  const bool through = SeenThrough(map, x, y, point.z(), options.clear * point.z());
   return {through ? -map.confidence[q] : 0.0, false};
 }
 
@@ -71,21 +80,21 @@ bool InDoubt(const RangeMap& map, size_t pixel, const Eigen::Vector2d& ray,
              const ConsensusOptions& options) {
   constexpr double kObliqueCosine = 0.2;
   const double seen = -map.normal[pixel].cast<double>().dot(ray.homogeneous().normalized());
-  return map.sigma_mm[pixel] > options.exact_mm && seen > kObliqueCosine;
+  return map.sigma_mm[pixel] > options.exact * map.depth[pixel] && seen > kObliqueCosine;
 }
 
 bool Outvoted(const std::vector<PosedRange>& scans, size_t scan, size_t pixel, const Camera& camera,
               const std::vector<Eigen::Vector2d>& rays, const ConsensusOptions& options) {
   const PosedRange& own = scans[scan];
   const Pose world_from_camera = own.camera_from_world.Inverse();
-  const Eigen::Vector3d point =
-      world_from_camera * (own.map.depth[pixel] * rays[pixel].homogeneous());
-  const Eigen::Vector3d normal = world_from_camera.rotation * own.map.normal[pixel].cast<double>();
+  const Judged judged = {world_from_camera * (own.map.depth[pixel] * rays[pixel].homogeneous()),
+                         world_from_camera.rotation * own.map.normal[pixel].cast<double>(),
+                         own.map.sigma_mm[pixel]};
   double balance = own.map.confidence[pixel];
   bool witnessed = scans.size() == 1;
   for (size_t other = 0; other < scans.size(); ++other) {
     if (other == scan) continue;
-    const Voice voice = Ask(scans[other], camera, rays, point, normal, options);
+    const Voice voice = Ask(scans[other], camera, rays, judged, options);
     balance += voice.weight;
     witnessed |= voice.witness;
   }
@@ -137,6 +146,16 @@ void DropSpecks(RangeMap& map, const ConsensusOptions& options) {
 }
 
 }  // namespace
+
+ConsensusOptions ConsensusWithin(double agree) {
+  ConsensusOptions options;
+  const double scale = agree / options.agree;
+  options.agree = agree;
+  options.contradict *= scale;
+  options.clear *= scale;
+  options.exact *= scale;
+  return options;
+}
 
 std::vector<PosedRange> KeepConsensus(std::vector<PosedRange> scans, const Camera& camera,
                                       const std::vector<Eigen::Vector2d>& rays,

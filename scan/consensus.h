@@ -9,13 +9,19 @@
 
 namespace lfm {
 
+/// Limits are shares of a point's distance from the scanner, so that they fit small and large
+/// objects alike; the usual ones are 0.35, 2, 1 and 0.1 mm at 0.46 m.
 struct ConsensusOptions {
-  double agree_mm = 0.35;      ///< nearer than this to another scan's surface: it agrees
-  double contradict_mm = 2.0;  ///< farther than agree_mm, but nearer than this: it contradicts
-  double clear_mm = 1.0;       ///< another scan saw at least this far behind: it saw through
-  double exact_mm = 0.1;       ///< points of a larger sigma are believed if another scan agrees
+  /// Nearer than this to another scan's surface, or than three sigma of the two: it agrees.
+  double agree = 0.76e-3;
+  double contradict = 4.3e-3;  ///< farther, but nearer than this (or three times that): contradicts
+  double clear = 2.2e-3;       ///< another scan saw at least this far behind: it saw through
+  double exact = 0.22e-3;      ///< points of a larger sigma are believed if another scan agrees
   int min_patch_px = 25;       ///< smaller connected patches of a scan are dropped
 };
+
+/// The usual limits, all scaled so that points agree within `agree`.
+ConsensusOptions ConsensusWithin(double agree);
 
 /// One scan to be compared with the others.
 struct PosedRange {
@@ -27,13 +33,13 @@ struct PosedRange {
 /// of fewer than `min_patch_px` connected pixels.
 ///
 /// Each point is projected into every other scan. There the surface found at that pixel agrees
-/// (distance to its tangent plane within `agree_mm`), contradicts (off by more, facing the same
-/// way), or was seen through the point (it and its neighbours lie more than `clear_mm` behind). It
+/// (distance to its tangent plane within `agree`), contradicts (off by more, facing the same
+/// way), or was seen through the point (it and its neighbours lie more than `clear` behind). It
 /// says neither where a pixel beside it agrees: one pixel is too coarse for creases and slopes. A
 /// voice weighs as much as its confidence, and the point has its own; points with more against than
 /// for them go, so of two scans that contradict each other the less certain yields.
 ///
-/// Points that no other scan shows stay if they are exact (`sigma_mm` at most `exact_mm`), were
+/// Points that no other scan shows stay if they are exact (`sigma_mm` within `exact`), were
 /// seen at more than 78 degrees from their normal (the edge of what the scans see together), or
 /// there is no other scan. What is left is mostly what mirrors show: no two scans see the same
 /// there.

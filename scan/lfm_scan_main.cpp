@@ -11,6 +11,7 @@
 #include "scan/scan.h"
 #include "scan/scan_files.h"
 #include "scan/scan_pictures.h"
+#include "scan/scan_report.h"
 
 namespace {
 
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
     for (const lfm::ScanFailure& failure : result.rejected) {
       progress.Note("set aside " + failure.id + ": " + failure.reason);
     }
-    for (const std::string& line : lfm::DescribePoses(result)) progress.Note(line);
+    for (const std::string& line : lfm::DescribeScans(result)) progress.Note(line);
     progress.Note(std::to_string(result.points.points.size()) + " points of " +
                   std::to_string(result.scans.size()) + " scans; projector " +
                   std::to_string(result.rig.projector_rms_px) + " px RMS");

@@ -309,31 +309,7 @@ double CameraRms(const CalibResult& calib) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-std::string Millimetres(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4f mm", mm);
-  return text;
-}
-
 }  // namespace
-
-std::vector<std::string> DescribePoses(const ScanResult& result) {
-  std::vector<std::string> lines;
-  for (const TurntableReport& t : result.turntables) {
-    lines.push_back(std::to_string(t.scans.size()) + " scans, from " + t.scans.front() +
-                    " on, share a turntable's axis to " + Millimetres(t.rms_mm));
-  }
-  const RegistrationReport& r = result.registration;
-  if (r.held_out == 0) {
-    lines.emplace_back("registration: scans stand where the platform puts them");
-  } else {
-    lines.push_back("registration: " + std::to_string(r.pairs) +
-                    " pairs of scans, held-out points " + Millimetres(r.before_mm) + " before, " +
-                    Millimetres(r.after_mm) +
-                    " after: " + (r.kept ? "refined poses kept" : "poses of the platform kept"));
-  }
-  return lines;
-}
 
 ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& calib,
                 const ImageLoader& load_image, const ScanOptions& options, Progress& progress,
@@ -382,7 +358,8 @@ ScanResult Scan(const Capture& capture, const Board& board, const CalibResult& c
   if (options.registration == RegistrationUse::kAuto) {
     result.registration = RefinePoses(result.rig, rays, standing, ranges, progress);
   }
-  ranges = KeepConsensus(std::move(ranges), result.rig.camera, rays, ConsensusOptions{});
+  ranges = KeepConsensus(std::move(ranges), result.rig.camera, rays,
+                         ConsensusWithin(options.agreement_mm_per_m * 1e-3));
   result.scans = MakeClouds(std::move(ranges), standing, rays, board, result.rejected);
   if (result.scans.empty()) ThrowNoScan(scanner.scans.size(), result.rejected.back());
   result.points = Concatenate(result.scans);

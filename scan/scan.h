@@ -89,6 +89,7 @@ struct ScanOptions {
   double min_confidence = 0.03;
   double max_ray_gap_mm = 0.5;
   double max_grazing_deg = 88;
+  double agreement_mm_per_m = 0.76;
   std::string rig;  ///< read by the commands (`KnownRigOf`), not by Scan
   TurntableUse turntable = TurntableUse::kAuto;
   RegistrationUse registration = RegistrationUse::kAuto;
@@ -105,6 +106,11 @@ struct ScanOptions {
     v.Number({"max-scan-angle-deg", "Drop points seen at more than this angle from their normal.",
               "deg", 0, 90},
              max_grazing_deg);
+    v.Number({"agreement",
+              "Another scan confirms a point that its surface passes this near (at least three "
+              "sigma); the limits of contradiction go along.",
+              "mm per m of distance", 0.001, 1000},
+             agreement_mm_per_m);
     v.Text({"rig",
             "A known rig (a rig.json) to use in place of calibrating one; checked against the "
             "scans."},
@@ -118,10 +124,6 @@ struct ScanOptions {
         {"off", "auto"}, registration);
   }
 };
-
-/// What held the scans' poses beside the platform, a line each: turntable runs, and whether the
-/// registration's poses were kept.
-std::vector<std::string> DescribePoses(const ScanResult& result);
 
 /// A rig known before the scans were taken.
 struct KnownRig {

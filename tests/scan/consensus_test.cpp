@@ -128,5 +128,52 @@ TEST(Consensus, InexactPointsNeedAnotherScanUnlessTheyAreOblique) {
   EXPECT_EQ(CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12), 0);
 }
 
+// A scene ten times as large, measured ten times as coarsely, is judged alike.
+TEST(Consensus, IsTheSameForLargeObjects) {
+  const Camera camera = KnownRig(true).camera;
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
+  const auto cleared = [&](double scale) {
+    std::vector<PosedRange> scans;
+    for (double degrees : {0.0, 45.0, 90.0}) scans.push_back(PlateScan(camera, rays, degrees));
+    Lift(scans[0], 100, 80, 12, 20);
+    Lift(scans[1], 120, 90, 8, 1.2);
+    for (PosedRange& scan : scans) {
+      scan.camera_from_world.translation *= scale;
+      for (double& depth : scan.map.depth) depth *= scale;
+      for (float& sigma : scan.map.sigma_mm) sigma *= static_cast<float>(scale);
+    }
+    std::vector<int> counts;
+    for (const PosedRange& scan : KeepConsensus(scans, camera, rays, {})) {
+      counts.push_back(CountCleared(scan, 0, 0, std::min(camera.width, camera.height)));
+    }
+    return counts;
+  };
+  EXPECT_EQ(cleared(10), cleared(1));
+  EXPECT_EQ(cleared(0.1), cleared(1));
+}
+
+// Noise that two scans know of is no contradiction.
+TEST(Consensus, NoiseOfTwoScansDoesNotOutvoteThem) {
+  const Camera camera = KnownRig(true).camera;
+  const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
+  const auto cleared = [&](float sigma_mm) {
+    std::vector<PosedRange> scans = {PlateScan(camera, rays, 0), PlateScan(camera, rays, 45)};
+    for (PosedRange& scan : scans) scan.map.sigma_mm.assign(rays.size(), sigma_mm);
+    scans[0].map.confidence.assign(rays.size(), 0.5F);
+    for (double& depth : scans[1].map.depth) depth -= 1;
+    return CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12);
+  };
+  EXPECT_EQ(cleared(0.02F), 144);
+  EXPECT_EQ(cleared(0.4F), 0);
+}
+
+TEST(Consensus, OneKnobScalesEveryLimit) {
+  const ConsensusOptions usual, twice = ConsensusWithin(2 * usual.agree);
+  EXPECT_DOUBLE_EQ(twice.agree, 2 * usual.agree);
+  EXPECT_DOUBLE_EQ(twice.contradict, 2 * usual.contradict);
+  EXPECT_DOUBLE_EQ(twice.clear, 2 * usual.clear);
+  EXPECT_DOUBLE_EQ(twice.exact, 2 * usual.exact);
+}
+
 }  // namespace
 }  // namespace lfm
