@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "encode/product_kernels.h"
+#include "encode/pseudo_random.h"
 
 namespace lfm {
 namespace {
@@ -74,18 +75,12 @@ int OrthonormalizeOnce(std::vector<float>& x, int rows, int width, const SmallMa
   return rank;
 }
 
-// A splitmix64 step a value: the standard library's distributions differ between libraries.
 std::vector<float> RandomStart(int rows, int columns, int width) {
   std::vector<float> x(static_cast<size_t>(rows) * width, 0.f);
-  uint64_t state = 0x6c66'6d20'7063'6121;
+  PseudoRandom random;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
-      state += 0x9e3779b97f4a7c15;
-      uint64_t z = state;
-      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-      z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-      z ^= z >> 31;
-      x[static_cast<size_t>(r) * width + c] = static_cast<float>(z >> 40) / (1 << 23) - 1;
+      x[static_cast<size_t>(r) * width + c] = static_cast<float>(random.Next());
     }
   }
   return x;

@@ -5,6 +5,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "encode/product_kernels.h"
+
 namespace lfm::testing {
 
 Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
@@ -30,6 +32,22 @@ Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperat
     }
   }
   return dense;
+}
+
+LinearMap DenseMap(const RowMatrix& f) {
+  LinearMap map;
+  map.rows = static_cast<int>(f.rows());
+  map.cols = static_cast<int>(f.cols());
+  map.max_abs = f.size() == 0 ? 0 : f.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+  map.multiply = [&f](const float* x, int width, float* y) {
+    kernels::Multiply(f.data(), static_cast<int>(f.rows()), static_cast<int>(f.cols()), x, width,
+                      y);
+  };
+  map.multiply_transposed = [&f](const float* y, int width, float* x) {
+    kernels::MultiplyTransposed(f.data(), static_cast<int>(f.rows()), static_cast<int>(f.cols()), y,
+                                width, x);
+  };
+  return map;
 }
 
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix) {

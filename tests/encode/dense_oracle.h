@@ -24,6 +24,9 @@ inline PatchMean ArbitraryMean(const SyntheticLightField& field, int triangle) {
 Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
                             const std::function<PatchMean(int)>& mean_of = nullptr);
 
+/// Products with a matrix that is formed; it must outlive the map.
+LinearMap DenseMap(const RowMatrix& f);
+
 /// All of them, descending, by divide and conquer in float64.
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix);
 

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "core/error.h"
-#include "encode/product_kernels.h"
 #include "tests/encode/dense_oracle.h"
 
 namespace lfm::testing {
@@ -17,22 +16,6 @@ namespace {
 constexpr double kResidual_rel = 1e-6;  // excess over the optimum, of ||F||
 constexpr double kOrthonormal_abs = 2e-6;
 constexpr int kTerms = 4;
-
-LinearMap DenseMap(const RowMatrix& f) {
-  LinearMap map;
-  map.rows = static_cast<int>(f.rows());
-  map.cols = static_cast<int>(f.cols());
-  map.max_abs = f.size() == 0 ? 0 : f.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
-  map.multiply = [&f](const float* x, int width, float* y) {
-    kernels::Multiply(f.data(), static_cast<int>(f.rows()), static_cast<int>(f.cols()), x, width,
-                      y);
-  };
-  map.multiply_transposed = [&f](const float* y, int width, float* x) {
-    kernels::MultiplyTransposed(f.data(), static_cast<int>(f.rows()), static_cast<int>(f.cols()), y,
-                                width, x);
-  };
-  return map;
-}
 
 Eigen::MatrixXd Columns(const std::vector<float>& x, int rows, int width, int count) {
   return Eigen::Map<const RowMatrix>(x.data(), rows, width).leftCols(count).cast<double>();

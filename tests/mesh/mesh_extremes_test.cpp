@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "core/process_memory.h"
 #include "core/progress.h"
 #include "mesh/mesh.h"
 #include "mesh/self_intersection.h"
@@ -149,6 +150,24 @@ TEST(MeshExtremes, NormalsAtRandom) {
   const double ball = 4.0 / 3 * std::numbers::pi * 27000;
   EXPECT_GT(SignedVolume(result.surface), 0.85 * ball);
   EXPECT_LT(SignedVolume(result.surface), 1.15 * ball);
+}
+
+// With sanitizers, whose own memory would be measured, a tenth of the points.
+TEST(MeshExtremes, TwentyMillionPointsWithinFourGib) {
+#if defined(__SANITIZE_ADDRESS__)
+  constexpr int64_t kPoints = 2000000;
+#else
+  constexpr int64_t kPoints = 20000000;
+#endif
+  constexpr double kMostMib = 4096;
+  MeshOptions options;
+  options.triangle_count = 10000;
+  const MeshResult result = BuildMesh(test::MakeBumpyBall(kPoints), {},
+                                      test::MakeCalib(24, 400, 40), options, SilentProgress());
+  ExpectSound(result);
+  EXPECT_LE(result.mesh.triangles.size(), 10000U);
+  EXPECT_GT(result.mesh.triangles.size(), 9000U);
+  EXPECT_LT(PeakMemoryMib(), kMostMib);
 }
 
 }  // namespace

@@ -166,6 +166,26 @@ void Append(PointCloud& cloud, const PointCloud& other) {
   cloud.confidence.insert(cloud.confidence.end(), other.confidence.begin(), other.confidence.end());
 }
 
+PointCloud MakeBumpyBall(int64_t count) {
+  PointCloud cloud;
+  cloud.points.reserve(count);
+  cloud.normals.reserve(count);
+  cloud.confidence.assign(count, 1);
+  uint64_t state = 1;
+  for (int64_t i = 0; i < count; ++i) {
+    const double z = 1 - 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * static_cast<double>(i);
+    const double r = std::sqrt(1 - z * z);
+    const Eigen::Vector3d out(r * std::cos(turn), r * std::sin(turn), z);
+    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+    const double noise = static_cast<double>(state >> 40) * 0x1.0p-24 - 0.5;
+    const double radius = 40 + 0.5 * std::sin(9 * out.x()) * std::sin(9 * out.y()) + 0.2 * noise;
+    cloud.points.push_back(radius * out + Eigen::Vector3d(0, 0, 39));
+    cloud.normals.push_back(out);
+  }
+  return cloud;
+}
+
 CalibResult MakeCalib(int count, double distance_mm, double height_mm) {
   CalibResult calib;
   Camera camera;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ void AddPlatform(PointCloud& cloud, int count, double half_side_mm, double free_
 void AddOutliers(PointCloud& cloud, int count, double half_side_mm, double height_mm,
                  unsigned seed);
 void Append(PointCloud& cloud, const PointCloud& other);
+/// `count` points spread evenly, with noise, over a ball with bumps, 40 mm in radius, that stands
+/// on the platform.
+PointCloud MakeBumpyBall(int64_t count);
 
 /// `count` photographs round the object from `distance_mm`, aimed at `height_mm` over the platform;
 /// 960 x 720, focal length 1700 px.

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/nmf.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "core/error.h"
+#include "encode/product_kernels.h"
+
+namespace lfm {
+namespace {
+
+using Gram = Eigen::MatrixXd;  // width x width
+
+constexpr double kStartTolerance = 1e-4;  // of the subspace; the last iterations see all of F
+constexpr double kLeastError = 1e-8;      // of the energy: below that lies rounding
+constexpr int kRounds = 4;                // of descent, a product
+
+/// A factor: rows x width, row-major.
+struct Factor {
+  int rows = 0, width = 8;
+  std::vector<float> values;
+
+  float& At(int row, int column) { return values[static_cast<size_t>(row) * width + column]; }
+  float At(int row, int column) const { return values[static_cast<size_t>(row) * width + column]; }
+  Gram GramMatrix() const {
+    Gram gram(width, width);
+    kernels::Gram(values.data(), rows, width, gram.data());
+    if (!gram.allFinite()) {
+      throw Error("NMF: the matrix holds values that are not finite, or beyond 1e+25");
+    }
+    return gram;
+  }
+};
+
+Factor Zeros(int rows, int width) {
+  return {rows, width, std::vector<float>(static_cast<size_t>(rows) * width, 0.F)};
+}
+
+/// Products of what is factorised with either factor.
+struct Products {
+  std::function<void(const Factor& right, Factor& out)> times;            // F V
+  std::function<void(const Factor& left, Factor& out)> transposed_times;  // F^T U
+};
+
+// Every row of x goes towards the minimum of x G x^T - 2 x p^T over x >= 0: coordinate descent.
+void DescendRows(const Factor& products, const Gram& gram, int terms, Factor& x) {
+  const Eigen::MatrixXf g = gram.cast<float>();
+  Eigen::VectorXf inverse(terms);
+  for (int k = 0; k < terms; ++k)
+    inverse[k] = gram(k, k) > 0 ? static_cast<float>(1 / gram(k, k)) : 0;
+  for (int row = 0; row < x.rows; ++row) {
+    float* values = &x.At(row, 0);
+    const float* target = products.values.data() + static_cast<size_t>(row) * products.width;
+    for (int round = 0; round < kRounds; ++round) {
+      for (int k = 0; k < terms; ++k) {
+        float slope = target[k];
+        for (int j = 0; j < terms; ++j) slope -= values[j] * g(j, k);
+        values[k] = std::max(0.F, values[k] + slope * inverse[k]);
+      }
+    }
+  }
+}
+
+double Inner(const Factor& a, const Factor& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    sum += static_cast<double>(a.values[i]) * b.values[i];
+  }
+  return sum;
+}
+
+// Both factors in turn; returns ||F||^2 - ||F - U V^T||^2 of the new pair.
+double Alternate(const Products& f, int terms, Factor& u, Factor& v, Factor& u_products,
+                 Factor& v_products) {
+  f.times(v, u_products);
+  DescendRows(u_products, v.GramMatrix(), terms, u);
+  f.transposed_times(u, v_products);
+  const Gram u_gram = u.GramMatrix();
+  DescendRows(v_products, u_gram, terms, v);
+  return 2 * Inner(v_products, v) - u_gram.cwiseProduct(v.GramMatrix()).sum();
+}
+
+int Iterate(const Products& f, double energy, double tolerance, int max_iterations, int terms,
+            Factor& u, Factor& v, double& fall) {
+  Factor u_products = Zeros(u.rows, u.width), v_products = Zeros(v.rows, v.width);
+  fall = -INFINITY;
+  int iteration = 0;
+  while (iteration < max_iterations) {
+    const double before = std::exchange(fall, Alternate(f, terms, u, v, u_products, v_products));
+    ++iteration;
+    const double error = std::max(energy - fall, 0.0) + kLeastError * energy;
+    if (fall - before <= tolerance * error) break;
+  }
+  return iteration;
+}
+
+// The nonnegative part of u v^T that has more energy, split evenly.
+void StartTerm(const PcaResult& pca, int k, Factor& u, Factor& v) {
+  double up = 0, un = 0, vp = 0, vn = 0;
+  const auto add = [](float value, double& positive, double& negative) {
+    (value > 0 ? positive : negative) += static_cast<double>(value) * value;
+  };
+  const auto left = [&](int row) { return pca.left[static_cast<size_t>(row) * pca.width + k]; };
+  const auto right = [&](int row) { return pca.right[static_cast<size_t>(row) * pca.width + k]; };
+  for (int row = 0; row < u.rows; ++row) add(left(row), up, un);
+  for (int row = 0; row < v.rows; ++row) add(right(row), vp, vn);
+  const float sign = up * vp >= un * vn ? 1 : -1;
+  for (int row = 0; row < u.rows; ++row) u.At(row, k) = std::max(0.F, sign * left(row));
+  for (int row = 0; row < v.rows; ++row) v.At(row, k) = std::max(0.F, sign * right(row));
+}
+
+Products ProductsInSubspace(const PcaResult& pca, int rows, int cols) {
+  // F ~ L R^T: F V = L (R^T V), F^T U = R (L^T U).
+  const auto through = [&pca](const std::vector<float>& first, int first_rows,
+                              const std::vector<float>& second, int second_rows, const Factor& x,
+                              Factor& out) {
+    std::vector<float> small(static_cast<size_t>(pca.width) * x.width);
+    kernels::MultiplyTransposed(first.data(), first_rows, pca.width, x.values.data(), x.width,
+                                small.data());
+    kernels::Multiply(second.data(), second_rows, pca.width, small.data(), x.width,
+                      out.values.data());
+  };
+  return {
+      [=, &pca](const Factor& v, Factor& out) { through(pca.right, cols, pca.left, rows, v, out); },
+      [=, &pca](const Factor& u, Factor& out) {
+        through(pca.left, rows, pca.right, cols, u, out);
+      }};
+}
+
+Products ProductsWith(const LinearMap& map, float prescale) {
+  const auto scale = [prescale](Factor& out) {
+    for (float& value : out.values) value *= prescale;
+  };
+  return {[&map, scale](const Factor& v, Factor& out) {
+            map.multiply(v.values.data(), v.width, out.values.data());
+            scale(out);
+          },
+          [&map, scale](const Factor& u, Factor& out) {
+            map.multiply_transposed(u.values.data(), u.width, out.values.data());
+            scale(out);
+          }};
+}
+
+// Columns of u sum to one, terms go by their energy, terms without any are dropped.
+NmfResult Arrange(const Factor& u, const Factor& v, int terms, float unscale) {
+  const Gram u_gram = u.GramMatrix(), v_gram = v.GramMatrix();
+  std::vector<int> order(terms);
+  std::iota(order.begin(), order.end(), 0);
+  const auto energy = [&](int k) { return u_gram(k, k) * v_gram(k, k); };
+  std::erase_if(order, [&](int k) { return !(energy(k) > 0); });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return energy(a) > energy(b); });
+  NmfResult result;
+  result.terms = static_cast<int>(order.size());
+  result.width = u.width;
+  Factor left = Zeros(u.rows, u.width), right = Zeros(v.rows, v.width);
+  for (int k = 0; k < result.terms; ++k) {
+    double sum = 0;
+    for (int row = 0; row < u.rows; ++row) sum += u.At(row, order[k]);
+    for (int row = 0; row < u.rows; ++row) {
+      left.At(row, k) = static_cast<float>(u.At(row, order[k]) / sum);
+    }
+    for (int row = 0; row < v.rows; ++row) {
+      right.At(row, k) = static_cast<float>(v.At(row, order[k]) * sum * unscale);
+    }
+  }
+  result.left = std::move(left.values);
+  result.right = std::move(right.values);
+  return result;
+}
+
+}  // namespace
+
+NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options) {
+  const PcaResult pca = ComputePca(map, {.terms = options.terms, .tolerance = kStartTolerance});
+  const int width = std::max(8, (options.terms + 7) / 8 * 8);
+  Factor u = Zeros(map.rows, width), v = Zeros(map.cols, width);
+  if (pca.terms == 0) {
+    NmfResult none;
+    none.width = width;
+    none.left = std::move(u.values);
+    none.right = std::move(v.values);
+    return none;
+  }
+  // Units in which the largest singular value is about one.
+  const int exponent = std::ilogb(pca.singular_values.front());
+  const float prescale = std::ldexp(1.F, -exponent), unscale = std::ldexp(1.F, exponent);
+  PcaResult scaled = pca;
+  for (float& value : scaled.right) value *= prescale;
+  double energy = 0;
+  for (const double s : pca.singular_values) energy += s * prescale * s * prescale;
+  for (int k = 0; k < pca.terms; ++k) StartTerm(scaled, k, u, v);
+
+  double fall = 0;
+  const int inside = Iterate(ProductsInSubspace(scaled, map.rows, map.cols), energy,
+                             options.tolerance, options.max_iterations, pca.terms, u, v, fall);
+  const int exact = Iterate(ProductsWith(map, prescale), energy, options.tolerance,
+                            options.max_exact, pca.terms, u, v, fall);
+  NmfResult result = Arrange(u, v, pca.terms, unscale);
+  result.iterations = inside;
+  result.exact_iterations = exact;
+  result.squared_error_fall = fall * unscale * unscale;
+  return result;
+}
+
+}  // namespace lfm
