@@ -110,9 +110,9 @@ VertexFigures EncodeVertex(const LightFieldSource& source, const MeanView& mean_
     triangles.push_back(source.mesh.triangles[block.triangle]);
     edge_samples.push_back(block.edge_samples);
   }
-  VertexTerms terms =
-      FactorizeVertex(f, FindSharedSamples(triangles, edge_samples),
-                      {.terms = options.terms, .guessed_weight = options.guessed_weight});
+  VertexTerms terms = FactorizeVertex(
+      f, FindSharedSamples(triangles, edge_samples),
+      {.terms = options.terms, .solver = options.solver, .guessed_weight = options.guessed_weight});
   for (size_t k = 0; k < terms.terms.size(); ++k) {
     WriteTerm(f, terms.terms[k], vertex, static_cast<int>(k), model);
   }

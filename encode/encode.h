@@ -5,16 +5,23 @@
 #include "core/progress.h"
 #include "encode/light_field_source.h"
 #include "encode/model.h"
+#include "encode/pca_solver.h"
 #include "resample/light_field.h"
 
 namespace lfm {
 
 struct EncodeOptions {
   int terms = 3;
+  PcaSolver solver = PcaSolver::kFactored;
   double guessed_weight = 0.2;
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
+    v.Enumeration({"solver",
+                   "What finds the terms: products with the factors; the paper's power iteration; "
+                   "or every singular value in double precision. The last two form each vertex's "
+                   "matrix and take hundreds of times as long."},
+                  {"factored", "paper", "dense"}, solver);
     v.Number({"guessed-weight",
               "How much directions outside the hull of the photographs count in the fit, against "
               "1 for those inside.",

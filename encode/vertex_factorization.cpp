@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "encode/pca.h"
 #include "encode/product_kernels.h"
 #include "encode/quantization.h"
 
@@ -301,7 +300,8 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   result.energy = result.squared_error = energies.plain;
   result.singular_value_share.assign(options.terms, 0.0);
   const LinearMap scaled = ScaledMap(f, column_scale);
-  PcaResult pca = ComputePca(scaled, {.terms = options.terms, .tolerance = kPcaTolerance});
+  PcaResult pca =
+      SolvePca(scaled, {.terms = options.terms, .tolerance = kPcaTolerance}, options.solver);
   for (int k = 0; k < pca.terms && energies.scaled > 0; ++k) {
     result.singular_value_share[k] =
         pca.singular_values[k] * pca.singular_values[k] / energies.scaled;

@@ -6,6 +6,7 @@
 
 #include "encode/factored_operator.h"
 #include "encode/model.h"
+#include "encode/pca_solver.h"
 #include "encode/shared_samples.h"
 
 namespace lfm {
@@ -29,13 +30,14 @@ struct VertexTerms {
 };
 
 struct FactorizationOptions {
-  int terms = 3;                ///< K, 0 to 16
+  int terms = 3;  ///< K, 0 to 16
+  PcaSolver solver = PcaSolver::kFactored;
   double guessed_weight = 0.2;  ///< of directions outside the hull of the photographs, in (0, 1]
 };
 
 /// Factorises one vertex light field and quantises it in closed loop (Chen 2002, Appendix): the
 /// surface map of term p + 1 is the leading left singular vector of what the *quantised* first p
-/// terms left over, inside the subspace that ComputePca captured and that was made continuous over
+/// terms left over, inside the subspace that the solver captured and that was made continuous over
 /// the ring's edges; it is split by SplitAlpha and quantised; then its view map is the exact least
 /// squares fit of that remainder to the quantised surface map, and is quantised too. At the end
 /// all view maps are fitted once more, together. `shared` lists the shared samples of the ring

@@ -179,6 +179,22 @@ TEST(Encode, RefusesInconsistentSources) {
   expect_refused([](auto& f) { f.mesh.triangles[2][1] = 4711; });
 }
 
+TEST(Encode, EverySolverGivesTheSameModelBarRounding) {
+  const SyntheticLightField field = Glossy(4);
+  const auto encode = [&](PcaSolver solver) {
+    return Encode(field.Source(), {.terms = 2, .solver = solver}, SilentProgress());
+  };
+  const EncodeResult dense = encode(PcaSolver::kDense);
+  for (const PcaSolver solver : {PcaSolver::kFactored, PcaSolver::kPaper}) {
+    const EncodeResult result = encode(solver);
+    EXPECT_EQ(result.model.terms, dense.model.terms);
+    EXPECT_NEAR(result.matrix_psnr_db, dense.matrix_psnr_db, 0.1) << static_cast<int>(solver);
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(result.singular_value_share[k], dense.singular_value_share[k], 1e-4) << k;
+    }
+  }
+}
+
 TEST(Encode, RefusesOptionsOutOfRange) {
   const SyntheticLightField field = Glossy(4);
   EXPECT_THROW(Encode(field.Source(), {.terms = 17}, SilentProgress()), Error);

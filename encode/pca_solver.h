@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "encode/pca.h"
+
+namespace lfm {
+
+/// How the leading singular triplets of a vertex light field are found.
+enum class PcaSolver {
+  kFactored,  ///< ComputePca: products with the factors, never the matrix
+  kPaper,     ///< PaperPca on the formed matrix, float32: K directions, no more
+  kDense,     ///< all singular values of the formed matrix, float64: the oracle
+};
+
+/// ComputePca by another road: the same result to the accuracy of the solvers (`passes` counts
+/// power iterations or is 0). kPaper captures the K directions alone, so that the closed loop has
+/// less room than in the l = max(16, K + 8) of the others. Both form the matrix (rows x cols
+/// floats or doubles, each thread) by products with unit vectors: hundreds of times slower. Throws
+/// Error as ComputePca does.
+PcaResult SolvePca(const LinearMap& map, const PcaOptions& options, PcaSolver solver);
+
+}  // namespace lfm
