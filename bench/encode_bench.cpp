@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ways to factorise one vertex light field of the paper's size (Chen 2002, Table 1 and Section 6):
+// rings of six triangles with some 314 samples each, about a hundred of 300 photographs in front of
+// each, a view grid of 32 x 32, RGB. K = 3. Counters: rows, cols, and the relative error
+// ||F - F_K|| / ||F||, of the best possible one for PCA.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+
+#include "core/progress.h"
+#include "encode/factored_operator.h"
+#include "encode/nmf.h"
+#include "encode/paper_factorization.h"
+#include "encode/pca.h"
+#include "encode/shared_samples.h"
+#include "encode/vertex_factorization.h"
+#include "tests/encode/dense_oracle.h"
+#include "tests/encode/synthetic_light_field.h"
+
+namespace lfm::testing {
+namespace {
+
+constexpr int kTerms = 3, kGrid = 32, kPhotos = 300;
+constexpr int kEdgeSamples = 24;  // 300 samples a triangle
+constexpr int kVertex = 20;       // of valence six
+
+struct Workload {
+  SyntheticLightField field = MakeLightField(
+      MakeSphere(3), kGrid, kPhotos, [](int) { return kEdgeSamples; }, GlossyAppearance);
+  VertexOperator centred, whole;  ///< mean view removed (PCA); as it is (NMF)
+  SharedSamples shared;
+  std::vector<float> plain_scale;
+  RowMatrix dense, dense_whole;
+};
+
+VertexOperator Operator(const SyntheticLightField& field, const VertexRings& rings,
+                        const std::function<PatchMean(int)>& mean) {
+  const std::span<const int> ring(rings.triangles.data() + rings.offsets[kVertex],
+                                  rings.triangles.data() + rings.offsets[kVertex + 1]);
+  return BuildVertexOperator(field.Source(), kVertex, ring, mean);
+}
+
+// The mean over directions of each sample.
+PatchMean MeanOf(const SyntheticLightField& field, int triangle) {
+  const SyntheticLightField::Triangle& t = field.triangles[triangle];
+  const size_t views = t.photos.size();
+  PatchMean mean(t.values.size() / views);
+  for (size_t k = 0; k < mean.size(); ++k) {
+    for (size_t v = 0; v < views; ++v) {
+      mean[k] += static_cast<float>(t.values[k * views + v]) / LightField::kOne;
+    }
+    mean[k] /= static_cast<float>(views);
+  }
+  return mean;
+}
+
+RowMatrix Dense(const VertexOperator& f) {
+  RowMatrix dense(f.rows, f.cols());
+  RowMatrix units = RowMatrix::Zero(f.cols(), 8), columns(f.rows, 8);
+  for (int first = 0; first < f.cols(); first += 8) {
+    units.setZero();
+    for (int c = 0; c < 8; ++c) units(first + c, c) = 1;
+    Multiply(f, units.data(), 8, columns.data());
+    dense.middleCols(first, 8) = columns;
+  }
+  return dense;
+}
+
+const Workload& TheWorkload() {
+  static const Workload* const workload = [] {
+    auto* w = new Workload;
+    const VertexRings rings = ComputeVertexRings(w->field.mesh);
+    w->centred = Operator(w->field, rings, [&](int t) { return MeanOf(w->field, t); });
+    w->whole = Operator(w->field, rings,
+                        [&](int t) { return PatchMean(MeanOf(w->field, t).size(), 0.F); });
+    std::vector<Eigen::Vector3i> triangles;
+    for (const RingBlock& b : w->centred.blocks)
+      triangles.push_back(w->field.mesh.triangles[b.triangle]);
+    w->shared = FindSharedSamples(triangles, std::vector<int>(triangles.size(), kEdgeSamples));
+    w->plain_scale.assign(kGrid * kGrid, 1.F);
+    w->dense = Dense(w->centred);
+    w->dense_whole = Dense(w->whole);
+    return w;
+  }();
+  return *workload;
+}
+
+void SayHowGood(benchmark::State& state, const RowMatrix& f, const Eigen::MatrixXf& left,
+                const Eigen::MatrixXf& right) {
+  state.counters["rows"] = static_cast<double>(f.rows());
+  state.counters["cols"] = static_cast<double>(f.cols());
+  state.counters["error"] = static_cast<double>((f - left * right.transpose()).norm() / f.norm());
+}
+
+template <typename Result>
+void SayHowGood(benchmark::State& state, const RowMatrix& f, const Result& r) {
+  SayHowGood(state, f,
+             Eigen::Map<const RowMatrix>(r.left.data(), f.rows(), r.width).leftCols(r.terms),
+             Eigen::Map<const RowMatrix>(r.right.data(), f.cols(), r.width).leftCols(r.terms));
+}
+
+void FactoredPca(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  const LinearMap map = ScaledMap(w.centred, w.plain_scale);
+  PcaResult result;
+  for (auto _ : state) result = ComputePca(map, {.terms = kTerms, .tolerance = 1e-6});
+  SayHowGood(state, w.dense, result);
+}
+
+void FactoredClosedLoop(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  VertexTerms result;
+  for (auto _ : state) result = FactorizeVertex(w.centred, w.shared, {.terms = kTerms});
+  state.counters["error"] = std::sqrt(result.squared_error / result.energy);
+}
+
+void DenseRandomisedPca(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  const LinearMap map = DenseMap(w.dense);
+  PcaResult result;
+  for (auto _ : state) result = ComputePca(map, {.terms = kTerms, .tolerance = 1e-6});
+  SayHowGood(state, w.dense, result);
+}
+
+void PaperPowerIteration(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  const Eigen::MatrixXf f = w.dense;
+  PaperFactors<float> result;
+  for (auto _ : state) result = PaperPca<float>(f, {.terms = kTerms});
+  SayHowGood(state, w.dense, result.left, result.right);
+}
+
+void FactoredNmf(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  const LinearMap map = ScaledMap(w.whole, w.plain_scale);
+  NmfResult result;
+  for (auto _ : state) result = ComputeNmf(map, {.terms = kTerms});
+  SayHowGood(state, w.dense_whole, result);
+}
+
+void PaperMultiplicativeNmf(benchmark::State& state) {
+  const Workload& w = TheWorkload();
+  const Eigen::MatrixXf f = w.dense_whole;
+  PaperFactors<float> result;
+  for (auto _ : state) {
+    result = PaperNmf<float>(f, {.terms = kTerms, .tolerance = 1e-4, .max_iterations = 500});
+  }
+  SayHowGood(state, w.dense_whole, result.left, result.right);
+}
+
+BENCHMARK(FactoredPca)->Unit(benchmark::kMillisecond);
+BENCHMARK(FactoredClosedLoop)->Unit(benchmark::kMillisecond);
+BENCHMARK(FactoredNmf)->Unit(benchmark::kMillisecond);
+BENCHMARK(DenseRandomisedPca)->Unit(benchmark::kMillisecond);
+BENCHMARK(PaperPowerIteration)->Unit(benchmark::kMillisecond)->Iterations(2);
+BENCHMARK(PaperMultiplicativeNmf)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+}  // namespace
+}  // namespace lfm::testing
