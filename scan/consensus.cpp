@@ -62,14 +62,15 @@ Voice Ask(const PosedRange& other, const Camera& camera, const std::vector<Eigen
   const Eigen::Vector3d there = map.depth[q] * rays[q].homogeneous();
   const Eigen::Vector3d normal = map.normal[q].cast<double>();
   const double distance = normal.dot(point - there);
-  const double agree_mm =
-      std::max(options.agree * point.z(), kSigmas * std::hypot(judged.sigma_mm, map.sigma_mm[q]));
-  const double contradict_mm = std::max(options.contradict * point.z(), 3 * agree_mm);
+  const double agree_mm = options.agree * point.z();
   if (std::abs(distance) <= agree_mm) return {map.confidence[q], true};
   // The pixel beside it may show what this one is too coarse for: a crease, a slope.
   if (NeighbourAgrees(map, rays, x, y, point, agree_mm)) return {0, true};
+  if (std::abs(distance) <= kSigmas * std::hypot(judged.sigma_mm, map.sigma_mm[q])) return {};
   const bool same_side = normal.dot(other.camera_from_world.rotation * judged.normal) > 0.5;
-  if (same_side && std::abs(distance) <= contradict_mm) return {-map.confidence[q], false};
+  if (same_side && std::abs(distance) <= options.contradict * point.z()) {
+    return {-map.confidence[q], false};
+  }
   const bool through = SeenThrough(map, x, y, point.z(), options.clear * point.z());
   return {through ? -map.confidence[q] : 0.0, false};
 }

@@ -12,9 +12,8 @@ namespace lfm {
 /// Limits are shares of a point's distance from the scanner, so that they fit small and large
 /// objects alike; the usual ones are 0.35, 2, 1 and 0.1 mm at 0.46 m.
 struct ConsensusOptions {
-  /// Nearer than this to another scan's surface, or than three sigma of the two: it agrees.
-  double agree = 0.76e-3;
-  double contradict = 4.3e-3;  ///< farther, but nearer than this (or three times that): contradicts
+  double agree = 0.76e-3;      ///< nearer than this to another scan's surface: it agrees
+  double contradict = 4.3e-3;  ///< farther than `agree`, but nearer than this: it contradicts
   double clear = 2.2e-3;       ///< another scan saw at least this far behind: it saw through
   double exact = 0.22e-3;      ///< points of a larger sigma are believed if another scan agrees
   int min_patch_px = 25;       ///< smaller connected patches of a scan are dropped
@@ -35,7 +34,8 @@ struct PosedRange {
 /// Each point is projected into every other scan. There the surface found at that pixel agrees
 /// (distance to its tangent plane within `agree`), contradicts (off by more, facing the same
 /// way), or was seen through the point (it and its neighbours lie more than `clear` behind). It
-/// says neither where a pixel beside it agrees: one pixel is too coarse for creases and slopes. A
+/// says neither where a pixel beside it agrees (one pixel is too coarse for creases and slopes), or
+/// within three sigma of the two. A
 /// voice weighs as much as its confidence, and the point has its own; points with more against than
 /// for them go, so of two scans that contradict each other the less certain yields.
 ///

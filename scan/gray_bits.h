@@ -68,11 +68,11 @@ struct Digits<ByteMask> {
       digit = ByteMask{} + 1;
     }
     high |= on & digit;
-    digit += digit;
+    digit = ByteMask(Bytes(digit) + Bytes(digit));  // unsigned: the eighth digit wraps
   }
   /// Turns the digits round where `all` is.
   LFM_INLINE void Finish(ByteMask all, int bits, uint16_t* out) {
-    const ByteMask turned = high ^ (all & (digit - 1));
+    const ByteMask turned = high ^ (all & ByteMask(Bytes(digit) - 1));
     if (bits <= 8) {
       StoreWords(turned, ByteMask{}, out);
     } else {

@@ -107,8 +107,8 @@ struct ScanOptions {
               "deg", 0, 90},
              max_grazing_deg);
     v.Number({"agreement",
-              "Another scan confirms a point that its surface passes this near (at least three "
-              "sigma); the limits of contradiction go along.",
+              "Another scan confirms a point that its surface passes this near; the limits of "
+              "contradiction go along.",
               "mm per m of distance", 0.001, 1000},
              agreement_mm_per_m);
     v.Text({"rig",

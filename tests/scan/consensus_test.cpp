@@ -157,10 +157,14 @@ TEST(Consensus, NoiseOfTwoScansDoesNotOutvoteThem) {
   const Camera camera = KnownRig(true).camera;
   const std::vector<Eigen::Vector2d> rays = NormalizedRays(camera);
   const auto cleared = [&](float sigma_mm) {
-    std::vector<PosedRange> scans = {PlateScan(camera, rays, 0), PlateScan(camera, rays, 45)};
-    for (PosedRange& scan : scans) scan.map.sigma_mm.assign(rays.size(), sigma_mm);
+    std::vector<PosedRange> scans;
+    for (double degrees : {0.0, 45.0, 90.0, 135.0}) {
+      scans.push_back(PlateScan(camera, rays, degrees));
+      scans.back().map.sigma_mm.assign(rays.size(), sigma_mm);
+    }
     scans[0].map.confidence.assign(rays.size(), 0.5F);
     for (double& depth : scans[1].map.depth) depth -= 1;
+    for (double& depth : scans[2].map.depth) depth -= 1;
     return CountCleared(KeepConsensus(scans, camera, rays, {})[0], 100, 80, 12);
   };
   EXPECT_EQ(cleared(0.02F), 144);
