@@ -16,24 +16,6 @@ namespace {
 constexpr int kUnits = 24;                   // unit vectors multiplied at once
 constexpr double kDropSingularValue = 1e-7;  // of the first, as ComputePca
 
-// F / max_abs: its products then neither overflow nor underflow.
-Eigen::MatrixXf FormMatrix(const LinearMap& map) {
-  Eigen::MatrixXf f(map.rows, map.cols);
-  std::vector<float> units(static_cast<size_t>(map.cols) * kUnits);
-  std::vector<float> columns(static_cast<size_t>(map.rows) * kUnits);
-  const auto scale = static_cast<float>(1 / map.max_abs);
-  for (int first = 0; first < map.cols; first += kUnits) {
-    const int count = std::min(kUnits, map.cols - first);
-    std::fill(units.begin(), units.end(), 0.F);
-    for (int c = 0; c < count; ++c) units[static_cast<size_t>(first + c) * kUnits + c] = scale;
-    map.multiply(units.data(), kUnits, columns.data());
-    for (int row = 0; row < map.rows; ++row) {
-      for (int c = 0; c < count; ++c) f(row, first + c) = columns[size_t{1} * row * kUnits + c];
-    }
-  }
-  return f;
-}
-
 /// Unit left vectors of what was found; more are left out.
 struct Triplets {
   Eigen::MatrixXd left;
@@ -60,6 +42,23 @@ Triplets ByDenseSvd(const Eigen::MatrixXf& f, int directions) {
 }
 
 }  // namespace
+
+Eigen::MatrixXf FormMatrix(const LinearMap& map) {
+  Eigen::MatrixXf f(map.rows, map.cols);
+  std::vector<float> units(static_cast<size_t>(map.cols) * kUnits);
+  std::vector<float> columns(static_cast<size_t>(map.rows) * kUnits);
+  const auto scale = static_cast<float>(1 / map.max_abs);
+  for (int first = 0; first < map.cols; first += kUnits) {
+    const int count = std::min(kUnits, map.cols - first);
+    std::fill(units.begin(), units.end(), 0.F);
+    for (int c = 0; c < count; ++c) units[static_cast<size_t>(first + c) * kUnits + c] = scale;
+    map.multiply(units.data(), kUnits, columns.data());
+    for (int row = 0; row < map.rows; ++row) {
+      for (int c = 0; c < count; ++c) f(row, first + c) = columns[size_t{1} * row * kUnits + c];
+    }
+  }
+  return f;
+}
 
 PcaResult SolvePca(const LinearMap& map, const PcaOptions& options, PcaSolver solver) {
   if (solver == PcaSolver::kFactored) return ComputePca(map, options);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+
 #include "encode/pca.h"
 
 namespace lfm {
@@ -11,6 +13,10 @@ enum class PcaSolver {
   kPaper,     ///< PaperPca on the formed matrix, float32: K directions, no more
   kDense,     ///< all singular values of the formed matrix, float64: the oracle
 };
+
+/// F / max_abs, formed by products with unit vectors: neither overflows nor underflows. `max_abs`
+/// must not be zero.
+Eigen::MatrixXf FormMatrix(const LinearMap& map);
 
 /// ComputePca by another road: the same result to the accuracy of the solvers (`passes` counts
 /// power iterations or is 0). kPaper captures the K directions alone, so that the closed loop has

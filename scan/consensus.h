@@ -35,9 +35,9 @@ struct PosedRange {
 /// (distance to its tangent plane within `agree`), contradicts (off by more, facing the same
 /// way), or was seen through the point (it and its neighbours lie more than `clear` behind). It
 /// says neither where a pixel beside it agrees (one pixel is too coarse for creases and slopes), or
-/// within three sigma of the two. A
-/// voice weighs as much as its confidence, and the point has its own; points with more against than
-/// for them go, so of two scans that contradict each other the less certain yields.
+/// within three sigma of the two. A voice weighs as much as its confidence, and the point has its
+/// own; points with more against than for them go, so of two scans that contradict each other the
+/// less certain yields.
 ///
 /// Points that no other scan shows stay if they are exact (`sigma_mm` within `exact`), were
 /// seen at more than 78 degrees from their normal (the edge of what the scans see together), or

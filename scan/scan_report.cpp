@@ -6,7 +6,7 @@
 namespace lfm {
 namespace {
 
-// A plain capture and one with every trouble of the studio show 0.05 px (docs/figures.md).
+// The default capture shows 0.045 px (docs/figures.md).
 constexpr double kUsualProjectorRms = 0.2;
 
 std::string Millimetres(double mm) {

@@ -131,6 +131,7 @@ TEST(ScanExtremes, AMirrorBallLeavesFewFalsePoints) {
   try {
     const ScanResult result = RunScan(studio);
     for (const Eigen::Vector3d& p : result.points.points) EXPECT_TRUE(p.allFinite());
+    RecordProperty("points", static_cast<int>(result.points.points.size()));
     EXPECT_LT(result.points.points.size(), 1500U);
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("can be used"), std::string::npos) << error.what();
