@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <random>
 
 #include "encode/product_kernels.h"
 
@@ -48,6 +49,18 @@ LinearMap DenseMap(const RowMatrix& f) {
                                 width, x);
   };
   return map;
+}
+
+Eigen::MatrixXd RandomNormal(int rows, int cols, int seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  return Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
+}
+
+Eigen::MatrixXd MatrixWithSpectrum(int rows, int cols, const Eigen::VectorXd& values, int seed) {
+  const auto count = static_cast<int>(values.size());
+  return OrthonormalBasis(RandomNormal(rows, count, seed)) * values.asDiagonal() *
+         OrthonormalBasis(RandomNormal(cols, count, seed + 1)).transpose();
 }
 
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& matrix) {

@@ -24,6 +24,11 @@ inline PatchMean ArbitraryMean(const SyntheticLightField& field, int triangle) {
 Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
                             const std::function<PatchMean(int)>& mean_of = nullptr);
 
+/// Normally distributed entries; equal seeds, equal entries.
+Eigen::MatrixXd RandomNormal(int rows, int cols, int seed);
+/// A matrix with these singular values (the rest zero) and random singular vectors.
+Eigen::MatrixXd MatrixWithSpectrum(int rows, int cols, const Eigen::VectorXd& values, int seed);
+
 /// Products with a matrix that is formed; it must outlive the map.
 LinearMap DenseMap(const RowMatrix& f);
 

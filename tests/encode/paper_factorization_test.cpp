@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "core/error.h"
 #include "tests/encode/dense_oracle.h"
@@ -13,22 +12,10 @@
 namespace lfm::testing {
 namespace {
 
-Eigen::MatrixXd Random(int rows, int cols, int seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  return Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
-}
-
-Eigen::MatrixXd WithSpectrum(const Eigen::VectorXd& values, int seed) {
-  const auto count = static_cast<int>(values.size());
-  return OrthonormalBasis(Random(80, count, seed)) * values.asDiagonal() *
-         OrthonormalBasis(Random(50, count, seed + 1)).transpose();
-}
-
 TEST(PaperPca, FindsTheSingularValuesAndTheBestApproximation) {
   const Eigen::VectorXd values = Eigen::VectorXd::NullaryExpr(
       20, [](Eigen::Index i) { return std::pow(2.0, -static_cast<double>(i)); });
-  const Eigen::MatrixXd f = WithSpectrum(values, 1);
+  const Eigen::MatrixXd f = MatrixWithSpectrum(80, 50, values, 1);
   const auto factors = PaperPca<double>(f, {.terms = 5, .tolerance = 1e-10});
   ASSERT_EQ(factors.left.cols(), 5);
   for (int k = 0; k < 5; ++k) EXPECT_NEAR(factors.singular_values[k], values[k], 1e-9) << k;
@@ -39,7 +26,7 @@ TEST(PaperPca, FindsTheSingularValuesAndTheBestApproximation) {
 
 // After the split both maxima are sqrt(lambda max_u max_v).
 TEST(PaperPca, SplitsLambdaByAlpha) {
-  const Eigen::MatrixXd f = Random(40, 30, 3);
+  const Eigen::MatrixXd f = RandomNormal(40, 30, 3);
   const auto factors = PaperPca<double>(f, {.terms = 2});
   for (int k = 0; k < 2; ++k) {
     const Eigen::VectorXd u = factors.left.col(k), v = factors.right.col(k);
@@ -54,17 +41,17 @@ TEST(PaperPca, SplitsLambdaByAlpha) {
 
 TEST(PaperPca, EndsWhereNothingIsLeftAndForRepeatedValues) {
   EXPECT_EQ(PaperPca<double>(Eigen::MatrixXd::Zero(5, 4), {}).left.cols(), 0);
-  EXPECT_EQ(PaperPca<double>(Random(5, 1, 4) * Random(1, 4, 5), {}).left.cols(), 1);
+  EXPECT_EQ(PaperPca<double>(RandomNormal(5, 1, 4) * RandomNormal(1, 4, 5), {}).left.cols(), 1);
   EXPECT_EQ(PaperPca<double>(Eigen::MatrixXd(0, 4), {}).left.cols(), 0);
-  EXPECT_EQ(PaperPca<double>(Random(5, 4, 6), {.terms = 0}).left.cols(), 0);
-  const Eigen::MatrixXd f = WithSpectrum(Eigen::VectorXd::Ones(6), 7);
+  EXPECT_EQ(PaperPca<double>(RandomNormal(5, 4, 6), {.terms = 0}).left.cols(), 0);
+  const Eigen::MatrixXd f = MatrixWithSpectrum(80, 50, Eigen::VectorXd::Ones(6), 7);
   const auto factors = PaperPca<double>(f, {.terms = 6, .max_iterations = 500});
   EXPECT_LE((f - factors.left * factors.right.transpose()).norm(), 1e-6);
   for (const int iterations : factors.iterations) EXPECT_LE(iterations, 500);
 }
 
 TEST(PaperNmf, NeverRaisesTheErrorAndSumsToOne) {
-  const Eigen::MatrixXd f = Random(40, 30, 8).cwiseAbs();
+  const Eigen::MatrixXd f = RandomNormal(40, 30, 8).cwiseAbs();
   double before = f.norm();
   for (const int iterations : {1, 2, 5, 20, 100, 400}) {
     const auto factors =
@@ -79,7 +66,7 @@ TEST(PaperNmf, NeverRaisesTheErrorAndSumsToOne) {
 }
 
 TEST(PaperFactorization, RefusesWhatItCannotDo) {
-  Eigen::MatrixXd f = Random(5, 4, 9);
+  Eigen::MatrixXd f = RandomNormal(5, 4, 9);
   EXPECT_THROW(PaperNmf<double>(f, {}), Error);
   EXPECT_EQ(PaperNmf<double>(Eigen::MatrixXd::Zero(5, 4), {}).left.cols(), 0);
   f(1, 1) = std::numeric_limits<double>::quiet_NaN();

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "core/error.h"
 #include "tests/encode/dense_oracle.h"
@@ -17,15 +16,9 @@ constexpr PcaSolver kSolvers[] = {PcaSolver::kFactored, PcaSolver::kPaper, PcaSo
 
 // Singular values 3^-i.
 RowMatrix Decaying(int rows, int cols) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  const auto noise = [&](int size) {
-    return OrthonormalBasis(Eigen::MatrixXd::NullaryExpr(size, 12, [&] { return normal(random); }));
-  };
   Eigen::VectorXd values(12);
   for (int i = 0; i < 12; ++i) values[i] = std::pow(3.0, -i);
-  const Eigen::MatrixXd left = noise(rows);
-  return (left * values.asDiagonal() * noise(cols).transpose()).cast<float>();
+  return MatrixWithSpectrum(rows, cols, values, 1).cast<float>();
 }
 
 Eigen::MatrixXd Approximation(const PcaResult& pca, int rows, int cols, int terms) {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "core/error.h"
 #include "tests/encode/dense_oracle.h"
@@ -21,21 +20,9 @@ Eigen::MatrixXd Columns(const std::vector<float>& x, int rows, int width, int co
   return Eigen::Map<const RowMatrix>(x.data(), rows, width).leftCols(count).cast<double>();
 }
 
-Eigen::MatrixXd RandomNormal(int rows, int cols, int seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  return Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); });
-}
-
-Eigen::MatrixXd RandomOrthonormal(int rows, int cols, int seed) {
-  return OrthonormalBasis(RandomNormal(rows, cols, seed));
-}
-
 // 300 x 120 with the given singular values.
 Eigen::MatrixXd WithSpectrum(const Eigen::VectorXd& values, int seed) {
-  const auto count = static_cast<int>(values.size());
-  return RandomOrthonormal(300, count, seed) * values.asDiagonal() *
-         RandomOrthonormal(120, count, seed + 1).transpose();
+  return MatrixWithSpectrum(300, 120, values, seed);
 }
 
 struct Residuals {
