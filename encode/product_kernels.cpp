@@ -12,7 +12,10 @@ namespace {
 // Element alignment: the arrays are ordinary float arrays.
 using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
 using Float16 = float __attribute__((vector_size(64), aligned(4), may_alias));
-using Double8 = double __attribute__((vector_size(64)));
+using Double4 = double __attribute__((vector_size(32), aligned(8), may_alias));
+
+template <typename Lane>
+constexpr int kLanesOf16 = 16 * sizeof(float) / sizeof(Lane);
 
 template <typename Lane>
 LFM_INLINE Lane& At(float* p) {
@@ -100,51 +103,71 @@ LFM_INLINE void ToDirections(const uint16_t* view, const float* weight, int view
   }
 }
 
-// Four rows of the Gram matrix at a time, so that the sums fit the registers.
+LFM_INLINE Double4& Lane4(double* p) { return *reinterpret_cast<Double4*>(p); }
+
+// Tiles of 4 x 8 sums stay in the registers of every instruction set; rows are widened a block at a
+// time, so that no tile converts them again. Tiles below the diagonal are mirrored.
 template <int kWidth>
 LFM_INLINE void GramOf(const float* x, int rows, double* g) {
-  constexpr int kLanes = kWidth / 8;
-  for (int first = 0; first < kWidth; first += 4) {
-    Double8 sum[4][kLanes] = {};
-    for (int r = 0; r < rows; ++r) {
-      const float* row = x + long{r} * kWidth;
-      Double8 values[kLanes];
-      for (int l = 0; l < kLanes; ++l) {
-        values[l] = __builtin_convertvector(At<Float8>(row + 8 * l), Double8);
-      }
-      for (int i = 0; i < 4; ++i) {
-        const double factor = row[first + i];
-        for (int l = 0; l < kLanes; ++l) sum[i][l] += factor * values[l];
-      }
+  constexpr int kBlock = 64, kTile = 4;
+  double block[kBlock][kWidth];
+  for (int i = 0; i < kWidth * kWidth; ++i) g[i] = 0;
+  for (int begin = 0; begin < rows; begin += kBlock) {
+    const int count = begin + kBlock < rows ? kBlock : rows - begin;
+    for (int r = 0; r < count; ++r) {
+      for (int j = 0; j < kWidth; ++j) block[r][j] = x[long{begin + r} * kWidth + j];
     }
-    for (int i = 0; i < 4; ++i) {
-      for (int l = 0; l < kLanes; ++l) {
-        for (int j = 0; j < 8; ++j) g[(first + i) * kWidth + 8 * l + j] = sum[i][l][j];
+    for (int first = 0; first < kWidth; first += kTile) {
+      for (int column = first / 8 * 8; column < kWidth; column += 8) {
+        Double4 low[kTile], high[kTile];
+        for (int i = 0; i < kTile; ++i) {
+          low[i] = Lane4(g + (first + i) * kWidth + column);
+          high[i] = Lane4(g + (first + i) * kWidth + column + 4);
+        }
+        for (int r = 0; r < count; ++r) {
+          const Double4 x_low = Lane4(block[r] + column), x_high = Lane4(block[r] + column + 4);
+          for (int i = 0; i < kTile; ++i) {
+            low[i] += block[r][first + i] * x_low;
+            high[i] += block[r][first + i] * x_high;
+          }
+        }
+        for (int i = 0; i < kTile; ++i) {
+          Lane4(g + (first + i) * kWidth + column) = low[i];
+          Lane4(g + (first + i) * kWidth + column + 4) = high[i];
+        }
       }
     }
   }
+  for (int i = 0; i < kWidth; ++i) {
+    for (int j = 0; j < i / 8 * 8; ++j) g[i * kWidth + j] = g[j * kWidth + i];
+  }
 }
 
-template <int kCount>
+// `Wide` lanes of 16 floats only where the registers are as wide: split by the compiler, they go
+// through memory (six times slower under AVX2).
+template <typename Wide, int kCount>
 LFM_INLINE void ProductOfWidth(const float* p, int rows, long row_step, long step, int length,
                                const float* z, int width, float* y) {
   if (width == 8) Product<Float8, 1, kCount>(p, rows, row_step, step, length, z, y);
-  if (width == 16) Product<Float16, 1, kCount>(p, rows, row_step, step, length, z, y);
+  if (width == 16) Product<Wide, kLanesOf16<Wide>, kCount>(p, rows, row_step, step, length, z, y);
   if (width == 24) Product<Float8, 3, 4>(p, rows, row_step, step, length, z, y);
 }
 
+template <typename Wide>
 LFM_INLINE void ToViewsOfWidth(const WeightsByView& w, int views, int directions, int channels,
                                const float* x, int width, float* z) {
   if (width == 8) ToViews<Float8, 1>(w, views, directions, channels, x, z);
-  if (width == 16) ToViews<Float16, 1>(w, views, directions, channels, x, z);
+  if (width == 16) ToViews<Wide, kLanesOf16<Wide>>(w, views, directions, channels, x, z);
   if (width == 24) ToViews<Float8, 3>(w, views, directions, channels, x, z);
 }
 
+template <typename Wide>
 LFM_INLINE void ToDirectionsOfWidth(const uint16_t* view, const float* weight, int views,
                                     int directions, int channels, const float* t, int width,
                                     float* x) {
   if (width == 8) ToDirections<Float8, 1>(view, weight, views, directions, channels, t, x);
-  if (width == 16) ToDirections<Float16, 1>(view, weight, views, directions, channels, t, x);
+  if (width == 16)
+    ToDirections<Wide, kLanesOf16<Wide>>(view, weight, views, directions, channels, t, x);
   if (width == 24) ToDirections<Float8, 3>(view, weight, views, directions, channels, t, x);
 }
 
@@ -161,29 +184,29 @@ struct Kernels {
   void (*gram)(const float*, int, int, double*);
 };
 
-#define LFM_COMPILE_KERNELS(NAME, TARGET, COUNT)                                             \
+#define LFM_COMPILE_KERNELS(NAME, TARGET, WIDE, COUNT)                                       \
   TARGET void Product##NAME(const float* p, int rows, long row_step, long step, int length,  \
                             const float* z, int width, float* y) {                           \
-    ProductOfWidth<COUNT>(p, rows, row_step, step, length, z, width, y);                     \
+    ProductOfWidth<WIDE, COUNT>(p, rows, row_step, step, length, z, width, y);               \
   }                                                                                          \
   TARGET void ToViews##NAME(const WeightsByView& w, int views, int directions, int channels, \
                             const float* x, int width, float* z) {                           \
-    ToViewsOfWidth(w, views, directions, channels, x, width, z);                             \
+    ToViewsOfWidth<WIDE>(w, views, directions, channels, x, width, z);                       \
   }                                                                                          \
   TARGET void ToDirections##NAME(const uint16_t* view, const float* weight, int views,       \
                                  int directions, int channels, const float* t, int width,    \
                                  float* x) {                                                 \
-    ToDirectionsOfWidth(view, weight, views, directions, channels, t, width, x);             \
+    ToDirectionsOfWidth<WIDE>(view, weight, views, directions, channels, t, width, x);       \
   }                                                                                          \
   TARGET void Gram##NAME(const float* x, int rows, int width, double* g) {                   \
     GramOfWidth(x, rows, width, g);                                                          \
   }                                                                                          \
   constexpr Kernels k##NAME = {Product##NAME, ToViews##NAME, ToDirections##NAME, Gram##NAME};
 
-LFM_COMPILE_KERNELS(Baseline, , 4)
+LFM_COMPILE_KERNELS(Baseline, , Float8, 4)
 #if defined(__x86_64__)
-LFM_COMPILE_KERNELS(Avx2, __attribute__((target("arch=x86-64-v3"))), 4)
-LFM_COMPILE_KERNELS(Avx512, __attribute__((target("arch=x86-64-v4"))), 8)
+LFM_COMPILE_KERNELS(Avx2, __attribute__((target("arch=x86-64-v3"))), Float8, 4)
+LFM_COMPILE_KERNELS(Avx512, __attribute__((target("arch=x86-64-v4"))), Float16, 8)
 #endif
 
 const Kernels& Best() {
