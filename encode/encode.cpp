@@ -3,25 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/image_metrics.h"
 #include "core/parallel.h"
 #include "encode/gutters.h"
 #include "encode/mean_view.h"
-#include "encode/quantization.h"
-#include "encode/tiling.h"
+#include "encode/model_layout.h"
+#include "encode/term_selection.h"
 #include "encode/vertex_factorization.h"
 
 namespace lfm {
 namespace {
-
-// What is kept of a vertex once its maps lie in the pages.
-struct VertexFigures {
-  double energy = 0, squared_error = 0;
-  int64_t entries = 0;
-  std::vector<double> shares;
-};
 
 std::vector<int> EdgeSamples(const LightFieldSource& source) {
   std::vector<int> edge_samples;
@@ -31,72 +26,17 @@ std::vector<int> EdgeSamples(const LightFieldSource& source) {
   return edge_samples;
 }
 
-std::vector<Image> MakePages(const std::vector<Eigen::Vector2i>& sizes) {
-  std::vector<Image> pages;
-  for (const Eigen::Vector2i& size : sizes) {
-    pages.emplace_back(size.x(), size.y(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
-  }
-  return pages;
+std::span<const int> Ring(const VertexRings& rings, int64_t vertex) {
+  return std::span(rings.triangles)
+      .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]);
 }
 
-LightFieldModel LayOut(const LightFieldSource& source, std::span<const int> edge_samples,
-                       const EncodeOptions& options) {
-  LightFieldModel model;
-  model.mesh = source.mesh;
-  model.vertex_frames = source.vertex_frames;
-  model.direction_map = source.direction_map;
-  model.grid = source.grid;
-  model.terms = options.terms;
-  const size_t vertices = source.vertex_frames.size();
-  PatchLayout patches = PlacePatches(edge_samples, options.max_texture_size);
-  const ViewLayout views =
-      PlaceViews(static_cast<int>(vertices), source.grid, options.max_texture_size);
-  model.placements = std::move(patches.placements);
-  model.mean_pages = MakePages(patches.page_sizes);
-  model.surface_pages.assign(options.terms, MakePages(patches.page_sizes));
-  model.view_pages.assign(options.terms, MakePages(views.page_sizes));
-  model.view_tiles_per_row = views.tiles_per_row;
-  model.view_tiles_per_page = views.tiles_per_page;
-  model.vertex_terms.assign(vertices, 0);
-  model.surface_ranges.assign(options.terms * vertices, MapRange{0, 0});
-  model.view_ranges.assign(options.terms * vertices, MapRange{0, 0});
-  return model;
+bool HasTarget(const EncodeOptions& options) {
+  return options.tolerance > 0 || options.target_db > 0 || options.target_mb > 0;
 }
 
-// Writes one channel set of a patch: texel channel `first` on, `count` codes a sample.
-void WritePatch(Image& page, const PatchPlacement& placement, const uint8_t* codes, int first,
-                int count) {
-  const int n = placement.edge_samples;
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i + j < n; ++i) {
-      const Eigen::Vector2i texel = TexelOfSample(placement, i, j);
-      std::copy_n(codes + size_t{1} * PatchSampleIndex(n, i, j) * count, count,
-                  &page.At<uint8_t>(texel.x(), texel.y(), first));
-    }
-  }
-}
-
-// Vertices write to their own channels and tiles: no two threads touch one byte.
-void WriteTerm(const VertexOperator& f, const TermMaps& maps, int vertex, int term,
-               LightFieldModel& model) {
-  const size_t range = term * model.vertex_frames.size() + vertex;
-  model.surface_ranges[range] = maps.surface_range;
-  model.view_ranges[range] = maps.view_range;
-  for (const RingBlock& block : f.blocks) {
-    const PatchPlacement& placement = model.placements[block.triangle];
-    WritePatch(model.surface_pages[term][placement.page], placement,
-               maps.surface_codes.data() + block.first_row, block.corner, 1);
-  }
-  const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
-  for (int row = 0; row < model.grid; ++row) {
-    std::copy_n(maps.view_codes.data() + size_t{3} * row * model.grid, 3 * model.grid,
-                &model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row));
-  }
-}
-
-VertexFigures EncodeVertex(const LightFieldSource& source, const MeanView& mean_view,
-                           std::span<const int> ring, int vertex, const EncodeOptions& options,
-                           LightFieldModel& model) {
+VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_view,
+                          std::span<const int> ring, int vertex, const EncodeOptions& options) {
   const auto mean = [&](int triangle) {
     const std::vector<uint8_t>& codes = mean_view.codes[triangle];
     PatchMean values(codes.size());
@@ -110,14 +50,22 @@ VertexFigures EncodeVertex(const LightFieldSource& source, const MeanView& mean_
     triangles.push_back(source.mesh.triangles[block.triangle]);
     edge_samples.push_back(block.edge_samples);
   }
-  VertexTerms terms = FactorizeVertex(
-      f, FindSharedSamples(triangles, edge_samples),
-      {.terms = options.terms, .solver = options.solver, .guessed_weight = options.guessed_weight});
-  for (size_t k = 0; k < terms.terms.size(); ++k) {
-    WriteTerm(f, terms.terms[k], vertex, static_cast<int>(k), model);
+  return FactorizeVertex(f, FindSharedSamples(triangles, edge_samples),
+                         {.terms = HasTarget(options) ? options.max_terms : options.terms,
+                          .solver = options.solver,
+                          .guessed_weight = options.guessed_weight});
+}
+
+TermCosts Costs(const LightFieldSource& source, std::span<const int> edge_samples,
+                const std::vector<VertexTerms>& vertices) {
+  TermCosts costs{source.mesh, {}, {}, {}, int64_t{3} * source.grid * source.grid};
+  for (const VertexTerms& vertex : vertices) {
+    costs.squared_errors.push_back(vertex.squared_errors);
+    costs.entries.push_back(vertex.entries);
   }
-  model.vertex_terms[vertex] = static_cast<int>(terms.terms.size());
-  return {terms.energy, terms.squared_error, terms.entries, std::move(terms.singular_value_share)};
+  // With gutters: half of the rectangle that two triangles share.
+  for (const int n : edge_samples) costs.patch_bytes.push_back(int64_t{3} * (n + 4) * (n + 3) / 2);
+  return costs;
 }
 
 double MatrixPsnr(double squared_error, int64_t entries) {
@@ -125,38 +73,92 @@ double MatrixPsnr(double squared_error, int64_t entries) {
                       : PsnrFromMse(255.0 * 255.0 * squared_error / static_cast<double>(entries));
 }
 
-// Terms that no vertex has are not part of the model.
-void DropEmptyTerms(int terms_max, LightFieldModel& model) {
-  model.terms = terms_max;
-  model.surface_pages.resize(terms_max);
-  model.view_pages.resize(terms_max);
-  model.surface_ranges.resize(terms_max * model.vertex_frames.size());
-  model.view_ranges.resize(terms_max * model.vertex_frames.size());
+// Layouts leave gaps, so the budget of the maps is met by trial.
+std::vector<int> TermsForMegabytes(const LightFieldSource& source,
+                                   std::span<const int> edge_samples, const TermCosts& costs,
+                                   const EncodeOptions& options) {
+  const auto bytes_of = [&](const std::vector<int>& terms) {
+    return LayOutModel(source, edge_samples, terms, options.max_texture_size).MapsBytes();
+  };
+  const auto target = static_cast<int64_t>(options.target_mb * 1e6);
+  const int64_t least = bytes_of(std::vector<int>(costs.entries.size(), 0));
+  if (least > target) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "--target-mb %g: the mean view alone takes %.3f MB; raise it, or resample a "
+                  "coarser mesh",
+                  options.target_mb, static_cast<double>(least) * 1e-6);
+    throw Error(text);
+  }
+  int64_t budget = target - least;
+  for (int i = 0; i < 8; ++i) {
+    std::vector<int> terms = TermsForBytes(costs, budget);
+    const int64_t bytes = bytes_of(terms);
+    if (bytes <= target) return terms;
+    budget -= bytes - target;
+  }
+  return std::vector<int>(costs.entries.size(), 0);
 }
 
-void Summarize(const std::vector<VertexFigures>& figures, const LightFieldSource& source,
+std::vector<int> ChooseTerms(const LightFieldSource& source, std::span<const int> edge_samples,
+                             const std::vector<VertexTerms>& vertices, const EncodeOptions& options,
+                             Progress& progress) {
+  const TermCosts costs = Costs(source, edge_samples, vertices);
+  if (options.tolerance > 0) {
+    return TermsForTolerance(costs, options.tolerance / 255);
+  }
+  if (options.target_mb > 0) return TermsForMegabytes(source, edge_samples, costs, options);
+  if (!(options.target_db > 0)) return AllTerms(costs);
+  const int64_t entries = std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0});
+  const double allowed = static_cast<double>(entries) * std::pow(10.0, -options.target_db / 10);
+  std::vector<int> terms = TermsForError(costs, allowed);
+  if (costs.SquaredError(terms) > allowed) {
+    char text[160];
+    std::snprintf(
+        text, sizeof text, "%d terms reach %.1f dB of the %g dB asked for; raise --max-terms",
+        options.max_terms, MatrixPsnr(costs.SquaredError(terms), entries), options.target_db);
+    progress.Note(text);
+  }
+  return terms;
+}
+
+void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource& source,
                EncodeResult& result) {
   double energy = 0, error = 0;
   int64_t entries = 0, terms = 0, with_energy = 0;
-  for (size_t v = 0; v < figures.size(); ++v) {
-    energy += figures[v].energy;
-    error += figures[v].squared_error;
-    entries += figures[v].entries;
-    with_energy += figures[v].energy > 0;
-    terms += result.model.vertex_terms[v];
+  result.terms_max = result.model.terms;
+  result.singular_value_share.assign(result.terms_max, 0.0);
+  result.vertices_by_terms.assign(result.terms_max + 1, 0);
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    const VertexTerms& vertex = vertices[v];
+    const int own = result.model.vertex_terms[v];
+    energy += vertex.squared_errors.front();
+    error += vertex.squared_errors[own];
+    entries += vertex.entries;
+    with_energy += vertex.squared_errors.front() > 0;
+    terms += own;
+    ++result.vertices_by_terms[own];
     for (size_t k = 0; k < result.singular_value_share.size(); ++k) {
-      result.singular_value_share[k] += figures[v].shares[k];
+      result.singular_value_share[k] += vertex.singular_value_share[k];
     }
   }
   for (double& share : result.singular_value_share) {
     share /= static_cast<double>(std::max<int64_t>(1, with_energy));
   }
-  result.terms_mean = static_cast<double>(terms) / static_cast<double>(figures.size());
+  result.terms_mean = static_cast<double>(terms) / static_cast<double>(vertices.size());
   result.matrix_psnr_db = MatrixPsnr(error, entries);
   result.matrix_psnr_mean_only_db = MatrixPsnr(energy, entries);
   result.maps_bytes = result.model.MapsBytes();
   result.compression_ratio =
       static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
+}
+
+void CheckOptions(const EncodeOptions& options) {
+  EncodeOptions checked = options;
+  ValidateOptions(AnyOptions(checked));
+  if ((options.tolerance > 0) + (options.target_db > 0) + (options.target_mb > 0) > 1) {
+    throw Error("give one of --tolerance, --target-db and --target-mb");
+  }
 }
 
 void CheckSource(const LightFieldSource& source) {
@@ -173,37 +175,33 @@ void CheckSource(const LightFieldSource& source) {
 
 EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options,
                     Progress& progress) {
-  EncodeOptions checked = options;
-  ValidateOptions(AnyOptions(checked));
+  CheckOptions(options);
   CheckSource(source);
   const std::vector<int> edge_samples = EdgeSamples(source);
-  EncodeResult result;
-  result.model = LayOut(source, edge_samples, options);
   const MeanView mean_view =
       ComputeMeanView(source, FindSharedSamples(source.mesh.triangles, edge_samples),
                       options.guessed_weight, progress);
-  result.unseen_triangles = mean_view.unseen_triangles;
-  for (size_t t = 0; t < edge_samples.size(); ++t) {
-    const PatchPlacement& placement = result.model.placements[t];
-    WritePatch(result.model.mean_pages[placement.page], placement, mean_view.codes[t].data(), 0, 3);
-  }
   const VertexRings rings = ComputeVertexRings(source.mesh);
   const auto vertices = static_cast<int64_t>(source.mesh.vertices.size());
-  std::vector<VertexFigures> figures(vertices);
+  std::vector<VertexTerms> factors(vertices);
   progress.Start("factorising", vertices);
   ParallelFor(0, vertices, [&](int64_t v) {
-    const std::span<const int> ring(rings.triangles.data() + rings.offsets[v],
-                                    rings.triangles.data() + rings.offsets[v + 1]);
-    figures[v] = EncodeVertex(source, mean_view, ring, static_cast<int>(v), options, result.model);
+    factors[v] = FactorizeRing(source, mean_view, Ring(rings, v), static_cast<int>(v), options);
     progress.Advance();
   });
-  result.terms_max =
-      *std::max_element(result.model.vertex_terms.begin(), result.model.vertex_terms.end());
-  result.singular_value_share.assign(options.terms, 0.0);
-  DropEmptyTerms(result.terms_max, result.model);
+  EncodeResult result;
+  result.unseen_triangles = mean_view.unseen_triangles;
+  result.model = LayOutModel(source, edge_samples,
+                             ChooseTerms(source, edge_samples, factors, options, progress),
+                             options.max_texture_size);
+  for (size_t t = 0; t < edge_samples.size(); ++t) {
+    WriteMean(mean_view.codes[t], static_cast<int>(t), result.model);
+  }
+  ParallelFor(0, vertices, [&](int64_t v) {
+    WriteVertexTerms(Ring(rings, v), factors[v].terms, static_cast<int>(v), result.model);
+  });
   result.model = FillGutters(std::move(result.model));
-  Summarize(figures, source, result);
-  result.singular_value_share.resize(result.terms_max);
+  Summarize(factors, source, result);
   return result;
 }
 

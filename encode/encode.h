@@ -12,11 +12,34 @@ namespace lfm {
 
 struct EncodeOptions {
   int terms = 3;
+  double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
+  int max_terms = 8;
   PcaSolver solver = PcaSolver::kFactored;
   double guessed_weight = 0.2;
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
+    v.Number(
+        {"tolerance",
+         "In place of --terms: each vertex gets as few terms as keep the RMS error of its maps "
+         "below this, in 8-bit levels; 0 = off.",
+         "", 0, 255},
+        tolerance);
+    v.Number({"target-db",
+              "In place of --terms: the terms that reach this PSNR against the resampled light "
+              "field with the fewest bytes; 0 = off.",
+              "dB", 0, 99},
+             target_db);
+    v.Number({"target-mb",
+              "In place of --terms: the terms that come nearest to the resampled light field with "
+              "maps of this size in graphics memory; 0 = off.",
+              "MB", 0, 1e6},
+             target_mb);
+    v.Integer({"max-terms",
+               "With --tolerance, --target-db or --target-mb: the most terms that a "
+               "vertex may get. Time and memory of the factorisation grow with it.",
+               "", 1, 16},
+              max_terms);
     v.Enumeration({"solver",
                    "What finds the terms: products with the factors; the paper's power iteration; "
                    "or every singular value in double precision. The last two form each vertex's "
@@ -36,6 +59,8 @@ struct EncodeResult {
   LightFieldModel model;
   double terms_mean = 0;
   int terms_max = 0;
+  /// Vertices with 0, 1, ... terms: what this scene required.
+  std::vector<int> vertices_by_terms;
   int64_t maps_bytes = 0;
   double compression_ratio = 0;  ///< dense_bytes / maps_bytes
   /// The quantised model against the resampled light field, 1.0 being the peak: over all vertex
@@ -52,12 +77,15 @@ struct EncodeResult {
 };
 
 /// Factorises every vertex light field (PCA of the hat-weighted blocks, in factored form),
-/// quantises in closed loop, and tiles the maps. Two runs give the same bytes, whatever the number
-/// of threads. Memory: the model, and one vertex ring a thread.
+/// quantises in closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
+/// the maps. Two runs give the same bytes, whatever the number of threads. Memory: the model, the
+/// 8-bit maps of all terms that may be chosen, and one vertex ring a thread.
 ///
 /// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
-/// Triangles that nobody saw are filled from their neighbours. Throws Error when nobody saw
-/// anything, or the light field is inconsistent.
+/// A tolerance or PSNR that max_terms do not reach gives all of them, and a note. Triangles that
+/// nobody saw are filled from their neighbours. Throws Error when nobody saw anything, the light
+/// field is inconsistent, several targets are given, or the mean view alone is larger than
+/// target_mb.
 EncodeResult Encode(const LightField& light_field, const EncodeOptions& options,
                     Progress& progress);
 /// The same from data in memory.

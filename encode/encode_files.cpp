@@ -16,6 +16,7 @@ constexpr int kMaxCount = std::numeric_limits<int>::max();
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
   const nlohmann::json figures = {{"terms_mean", result.terms_mean},
                                   {"terms_max", result.terms_max},
+                                  {"vertices_by_terms", result.vertices_by_terms},
                                   {"model_bytes", WriteGlb(result.model, folder / "model.glb")},
                                   {"maps_bytes", result.maps_bytes},
                                   {"compression_ratio", result.compression_ratio},
@@ -35,6 +36,10 @@ EncodeResult LoadEncode(const std::filesystem::path& folder) {
   JsonReader reader(json, file.string());
   result.terms_mean = reader.Number("terms_mean");
   result.terms_max = reader.Integer("terms_max", 0, 16);
+  for (const double count :
+       reader.Numbers("vertices_by_terms", static_cast<size_t>(result.terms_max) + 1)) {
+    result.vertices_by_terms.push_back(static_cast<int>(count));
+  }
   result.model_bytes = static_cast<int64_t>(reader.Number("model_bytes"));
   result.maps_bytes = static_cast<int64_t>(reader.Number("maps_bytes"));
   result.compression_ratio = reader.Number("compression_ratio");

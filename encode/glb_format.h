@@ -6,7 +6,7 @@
 namespace lfm::glb {
 
 inline constexpr const char* kExtension = "LFM_surface_light_field";
-inline constexpr int kVersion = 1;
+inline constexpr int kVersion = 2;
 /// In the order of DirectionMap.
 inline constexpr const char* kDirectionMapNames[] = {"hemi-octahedral", "orthographic"};
 inline constexpr int kPngCompression = 3;

@@ -156,6 +156,7 @@ void ReadTerms(const Document& doc, const json& extension, LightFieldModel& mode
     doc.Require(count <= model.terms, "a vertex has more terms than the model");
     model.vertex_terms.push_back(count);
   }
+  model.view_slots = RankByTerms(model.vertex_terms);
   if (model.terms == 0) return;
   model.surface_ranges = ReadRanges(doc, extension, "surfaceRanges", model.terms * vertices);
   model.view_ranges = ReadRanges(doc, extension, "viewRanges", model.terms * vertices);
@@ -218,53 +219,28 @@ PendingPages FindAllPages(const Document& doc, const json& extension, int terms)
   return pages;
 }
 
-void CheckPageSizes(const Document& doc, const PendingPages& pages) {
-  const auto same = [](const std::vector<PendingPage>& a, const std::vector<PendingPage>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const PendingPage& p, const PendingPage& q) { return p.size == q.size; });
-  };
+void CheckTexels(const Document& doc, const PendingPages& pages) {
   int64_t texels = 0;
   const auto count = [&](const std::vector<PendingPage>& list) {
     for (const PendingPage& page : list) texels += int64_t{page.size.x()} * page.size.y();
     doc.Require(texels <= kMaxTexels, "the pages hold more texels than a model may have");
   };
   count(pages.mean);
-  for (const auto& list : pages.surface) {
-    doc.Require(same(list, pages.mean), "surface pages differ in size from the mean pages");
-    count(list);
-  }
-  for (const auto& list : pages.view) {
-    doc.Require(same(list, pages.view[0]), "view pages of two terms differ in size");
-    count(list);
-  }
+  for (const auto& list : pages.surface) count(list);
+  for (const auto& list : pages.view) count(list);
 }
 
-// Patches with their gutters must lie inside their page.
-void ReadPlacements(const Document& doc, const json& extension,
-                    const std::vector<PendingPage>& pages, LightFieldModel& model) {
+void ReadPlacements(const Document& doc, const json& extension, LightFieldModel& model) {
   const auto count = static_cast<int64_t>(model.mesh.triangles.size());
   const auto values = Accessor<uint16_t>(doc, extension, "placements", GltfComponent::kUint16,
                                          GltfShape::kVec4, count);
   for (int64_t t = 0; t < count; ++t) {
     const uint16_t* v = values.data() + 4 * t;
-    PatchPlacement placement{v[0], {v[1], v[2]}, (v[3] & 1) != 0, v[3] / 2};
-    const int n = placement.edge_samples;
-    bool inside = placement.page < static_cast<int>(pages.size()) && n >= 2;
-    if (inside) {
-      const Eigen::Vector2i size = pages[placement.page].size;
-      const int sign = placement.flipped ? -1 : 1;
-      for (int axis = 0; axis < 2; ++axis) {
-        const int a = placement.origin[axis] - sign, b = placement.origin[axis] + sign * n;
-        inside = inside && std::min(a, b) >= 0 && std::max(a, b) < size[axis];
-      }
-    }
-    doc.Require(inside, "a patch does not lie inside its page");
-    model.placements.push_back(placement);
+    model.placements.push_back({v[0], {v[1], v[2]}, (v[3] & 1) != 0, v[3] / 2});
   }
 }
 
-void ReadViewLayout(const Document& doc, const json& extension, const PendingPages& pages,
-                    LightFieldModel& model) {
+void ReadViewLayout(const Document& doc, const json& extension, LightFieldModel& model) {
   model.grid = static_cast<int>(Integer(doc, extension, "grid", 2, 256));
   const json& name = Member(doc, extension, "directionMap");
   const auto* known =
@@ -275,14 +251,6 @@ void ReadViewLayout(const Document& doc, const json& extension, const PendingPag
       static_cast<int>(Integer(doc, extension, "viewTilesPerRow", 1, glb::kMaxTextureSize));
   model.view_tiles_per_page =
       static_cast<int>(Integer(doc, extension, "viewTilesPerPage", 1, kAnyIndex));
-  if (model.terms == 0) return;
-  for (int v = 0; v < static_cast<int>(model.vertex_frames.size()); ++v) {
-    const auto tile = model.ViewTile(v);
-    const bool inside = tile.page < static_cast<int>(pages.view[0].size()) &&
-                        tile.x + model.grid <= pages.view[0][tile.page].size.x() &&
-                        tile.y + model.grid <= pages.view[0][tile.page].size.y();
-    doc.Require(inside, "a view tile does not lie inside its page");
-  }
 }
 
 void DecodePages(const Document& doc, const PendingPages& pending, LightFieldModel& model) {
@@ -334,10 +302,11 @@ LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
   ReadFrames(doc, extension, model);
   ReadTerms(doc, extension, model);
   const PendingPages pages = FindAllPages(doc, extension, model.terms);
-  CheckPageSizes(doc, pages);
-  ReadPlacements(doc, extension, pages.mean, model);
-  ReadViewLayout(doc, extension, pages, model);
+  CheckTexels(doc, pages);
+  ReadPlacements(doc, extension, model);
+  ReadViewLayout(doc, extension, model);
   DecodePages(doc, pages, model);
+  ValidateModel(model, name);
   return model;
 }
 

@@ -65,9 +65,11 @@ uint8_t* TexelAt(Image& page, const PatchPlacement& placement, const GridPoint& 
 // The codes at a source sample, channels arranged for `triangle`'s corners.
 std::array<uint8_t, 3> SurfaceCodes(LightFieldModel& model, int term, int triangle,
                                     const Source& source) {
+  const bool has_maps = term < model.TriangleTerms(source.triangle);
   const PatchPlacement& placement = model.placements[source.triangle];
   const uint8_t* texel =
-      TexelAt(model.surface_pages[term][placement.page], placement, source.sample);
+      has_maps ? TexelAt(model.surface_pages[term][placement.page], placement, source.sample)
+               : nullptr;
   std::array<uint8_t, 3> codes{};
   for (int c = 0; c < 3; ++c) {
     const int vertex = model.mesh.triangles[triangle][c];
@@ -77,7 +79,7 @@ std::array<uint8_t, 3> SurfaceCodes(LightFieldModel& model, int term, int triang
                        : theirs[2] == vertex ? 2
                                              : -1;
     const size_t range = term * model.vertex_frames.size() + vertex;
-    codes[c] = corner >= 0 ? texel[corner] : ZeroCode(model.surface_ranges[range]);
+    codes[c] = has_maps && corner >= 0 ? texel[corner] : ZeroCode(model.surface_ranges[range]);
   }
   return codes;
 }
@@ -88,7 +90,7 @@ void CopyFromSource(LightFieldModel& model, int triangle, const GridPoint& gutte
   const PatchPlacement& their = model.placements[source.triangle];
   std::copy_n(TexelAt(model.mean_pages[their.page], their, source.sample), 3,
               TexelAt(model.mean_pages[own.page], own, gutter));
-  for (int k = 0; k < model.terms; ++k) {
+  for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
     const std::array<uint8_t, 3> codes = SurfaceCodes(model, k, triangle, source);
     std::copy_n(codes.data(), 3, TexelAt(model.surface_pages[k][own.page], own, gutter));
   }
@@ -118,7 +120,7 @@ void FillTriangle(LightFieldModel& model, const Eigen::Vector3i& neighbors, int 
   CopyFromSource(model, triangle, {n, 0}, {triangle, {n - 1, 0}});
   CopyFromSource(model, triangle, {0, n}, {triangle, {0, n - 1}});
   Complete(model.mean_pages[placement.page], placement);
-  for (int k = 0; k < model.terms; ++k) {
+  for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
     Complete(model.surface_pages[k][placement.page], placement);
   }
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/image.h"
@@ -44,10 +46,13 @@ struct LightFieldModel {
   std::vector<PatchPlacement> placements;  ///< T; one layout for mean and surface pages
   std::vector<Image> mean_pages;           ///< RGB 8 bit sRGB
   /// `surface_pages[k][page]`: RGB 8 bit, channel = corner of the triangle (three monochrome maps).
+  /// They are the upper parts of the pages, and fewer, where not all triangles have term k.
   std::vector<std::vector<Image>> surface_pages;
-  /// `view_pages[k][page]`: RGB 8 bit; vertex v has its grid x grid tile at ViewTile(v).
+  /// `view_pages[k][page]`: RGB 8 bit; vertex v has its grid x grid tile at ViewTile(v). Fewer, and
+  /// the last one smaller, where not all vertices have term k.
   std::vector<std::vector<Image>> view_pages;
   std::vector<int> vertex_terms;  ///< V; terms that this vertex has, <= K
+  std::vector<int> view_slots;    ///< V; RankByTerms(vertex_terms), for ViewTile
   /// `surface_ranges[k * V + v]`, `view_ranges[k * V + v]`: one range a vertex and term, so that
   /// samples on shared edges stay equal.
   std::vector<MapRange> surface_ranges, view_ranges;
@@ -57,12 +62,25 @@ struct LightFieldModel {
     int page, x, y;  ///< top-left texel
   };
   TilePosition ViewTile(int vertex) const {
-    const int in_page = vertex % view_tiles_per_page;
-    return {vertex / view_tiles_per_page, in_page % view_tiles_per_row * grid,
+    const int slot = view_slots[vertex], in_page = slot % view_tiles_per_page;
+    return {slot / view_tiles_per_page, in_page % view_tiles_per_row * grid,
             in_page / view_tiles_per_row * grid};
+  }
+  /// Terms that the triangle's surface maps have: the most of its corners.
+  int TriangleTerms(int triangle) const {
+    const Eigen::Vector3i& corners = mesh.triangles[triangle];
+    return std::max({vertex_terms[corners[0]], vertex_terms[corners[1]], vertex_terms[corners[2]]});
   }
   /// Bytes of all maps as they lie in the pages, gutters and ranges included, geometry excluded.
   int64_t MapsBytes() const;
 };
+
+/// Throws Error, beginning with `name`, when tables, pages and mesh do not fit together, so that no
+/// reader of the model reads out of bounds.
+void ValidateModel(const LightFieldModel& model, const std::string& name);
+
+/// Each vertex's place when those with more terms come first (among equals the lower index): the
+/// first tiles of the view pages are then those of every term.
+std::vector<int> RankByTerms(const std::vector<int>& vertex_terms);
 
 }  // namespace lfm

@@ -71,7 +71,7 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
   Eigen::Vector3f color = Sample(mean_page, surface) / 255;
 
   const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
-  const int wanted = std::min(options.terms, model.terms);
+  const int wanted = std::min(options.terms, model.TriangleTerms(triangle));
   std::array<Eigen::Vector3f, 16> surface_codes;
   const int shared = std::min<int>(wanted, surface_codes.size());
   for (int k = 0; k < shared; ++k) {
@@ -83,9 +83,14 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
     const int terms = std::min(shared, model.vertex_terms[vertex]);
     if (terms <= 0) continue;
     const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
-    const Tap view = ViewTap(model, tile, model.view_pages[0][tile.page].width(), vertex, to_eye);
+    Tap view;
+    int page_width = 0;
     for (int k = 0; k < terms; ++k) {
       const size_t range = k * vertices + vertex;
+      if (const int width = model.view_pages[k][tile.page].width(); width != page_width) {
+        view = ViewTap(model, tile, width, vertex, to_eye);
+        page_width = width;
+      }
       const float g = DecodeValue(model.surface_ranges[range], surface_codes[k][c]);
       const Eigen::Vector3f h = Sample(model.view_pages[k][tile.page], view);
       const MapRange& view_range = model.view_ranges[range];

@@ -15,12 +15,18 @@ namespace lfm {
 struct PatchLayout {
   std::vector<PatchPlacement> placements;   ///< one a triangle
   std::vector<Eigen::Vector2i> page_sizes;  ///< width, height in texels
+  /// `term_page_sizes[k]`: of the pages of term k, no more than there are pages. Triangles with
+  /// more terms come first and lie higher, so that a term's pages are the top of the pages.
+  std::vector<std::vector<Eigen::Vector2i>> term_page_sizes;
 };
 
-/// Lays patches of the given n out on as few pages as fit into max_texture_size. Rectangles are
-/// sorted by n and set in shelves; the page width is searched for the least waste (below 2 % from
-/// some 500 triangles on). Throws Error when a single rectangle is larger than a page, or n < 2.
-PatchLayout PlacePatches(std::span<const int> edge_samples, int max_texture_size);
+/// Lays patches of the given n out on as few pages as fit into max_texture_size. `terms` says how
+/// many terms each triangle has; empty stands for none. Rectangles are sorted by terms, then n, and
+/// set in shelves; the page width is searched for the least waste (below 2 % from some 500
+/// triangles of equal terms on). Throws Error when a single rectangle is larger than a page, n < 2,
+/// or the two lists differ in length.
+PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int> terms,
+                         int max_texture_size);
 
 /// The texel of sample (i, j); indices outside the patch name its gutters.
 inline Eigen::Vector2i TexelOfSample(const PatchPlacement& placement, int i, int j) {
@@ -34,7 +40,9 @@ struct ViewLayout {
   int tiles_per_page = 1;
   std::vector<Eigen::Vector2i> page_sizes;
 };
-/// Throws Error when a tile is larger than a page. No vertices: no pages.
-ViewLayout PlaceViews(int vertices, int grid, int max_texture_size);
+/// Throws Error when a tile is larger than a page. No tiles: no pages.
+ViewLayout PlaceViews(int tiles, int grid, int max_texture_size);
+/// The pages that the first `tiles` tiles take: a later term has no more tiles than the first.
+std::vector<Eigen::Vector2i> ViewPageSizes(const ViewLayout& layout, int tiles, int grid);
 
 }  // namespace lfm

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/vertex_factorization.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -187,29 +186,6 @@ void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, T
   QuantizeView(f, view, maps, decoded);
 }
 
-// All view maps once more, together: V = F^T U (U^T U)^-1. Surface maps of one vertex are nearly
-// orthogonal, so that the terms stay progressive.
-void RefitViews(const VertexOperator& f, std::vector<TermMaps>& maps,
-                std::vector<DecodedTerm>& terms) {
-  const auto count = static_cast<int>(terms.size());
-  Eigen::MatrixXd gram(count, count);
-  for (int a = 0; a < count; ++a) {
-    for (int b = 0; b < count; ++b) gram(a, b) = Dot(terms[a].surface, terms[b].surface);
-  }
-  const Eigen::LLT<Eigen::MatrixXd> solver(gram);
-  if (solver.info() != Eigen::Success) return;
-  Eigen::MatrixXd products(count, f.cols());
-  for (int k = 0; k < count; ++k) {
-    products.row(k) = Eigen::Map<const Eigen::RowVectorXd>(terms[k].product.data(), f.cols());
-  }
-  const Eigen::MatrixXf views = solver.solve(products).cast<float>();
-  for (int k = 0; k < count; ++k) {
-    std::vector<float> view(f.cols());
-    for (int col = 0; col < f.cols(); ++col) view[col] = views(k, col);
-    QuantizeView(f, view, maps[k], terms[k]);
-  }
-}
-
 // R becomes F_{p+1}^T U: minus D v (u^T U).
 void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, const Subspace& space,
              std::vector<float>& remainder) {
@@ -224,17 +200,16 @@ void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, co
   }
 }
 
-double SquaredError(double energy, const std::vector<DecodedTerm>& terms) {
-  double error = energy;
-  for (const DecodedTerm& a : terms) {
-    double agreement = 0;
-    for (size_t col = 0; col < a.view.size(); ++col) agreement += a.product[col] * a.view[col];
-    error -= 2 * agreement;
-    for (const DecodedTerm& b : terms) {
-      error += Dot(a.surface, b.surface) * Dot(a.view, b.view);
-    }
+// What the last term changes in ||F - U V^T||^2.
+double ErrorChange(const std::vector<DecodedTerm>& terms) {
+  const DecodedTerm& last = terms.back();
+  double change = 0;
+  for (size_t col = 0; col < last.view.size(); ++col) change -= last.product[col] * last.view[col];
+  for (const DecodedTerm& other : terms) {
+    const double overlap = Dot(last.surface, other.surface) * Dot(last.view, other.view);
+    change += &other == &last ? overlap / 2 : overlap;
   }
-  return std::max(error, 0.0);
+  return 2 * change;
 }
 
 // The next term's surface map u, not yet scaled, and the extents of u and v; none when no 8-bit
@@ -297,7 +272,7 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   for (const RingBlock& block : f.blocks) {
     if (block.views > 0) result.entries += int64_t{block.samples} * f.cols();
   }
-  result.energy = result.squared_error = energies.plain;
+  result.squared_errors = {energies.plain};
   result.singular_value_share.assign(options.terms, 0.0);
   const LinearMap scaled = ScaledMap(f, column_scale);
   PcaResult pca =
@@ -321,9 +296,9 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
     Deflate(term, column_scale, space, remainder);
     decoded.push_back(std::move(term));
     result.terms.push_back(std::move(maps));
+    result.squared_errors.push_back(
+        std::max(result.squared_errors.back() + ErrorChange(decoded), 0.0));
   }
-  RefitViews(f, result.terms, decoded);
-  result.squared_error = SquaredError(energies.plain, decoded);
   return result;
 }
 

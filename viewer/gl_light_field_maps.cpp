@@ -40,9 +40,6 @@ void CheckLimits(const std::string& what, int width, int height, size_t layers) 
 GlObject UploadPages(const std::string& what, const std::vector<const Image*>& pages) {
   int width = 1, height = 1;
   for (const Image* page : pages) {
-    if (page->type() != PixelType::kUint8 || page->channels() != 3) {
-      throw Error("the model's " + what + " pages are not 8-bit RGB; encode it again");
-    }
     width = std::max(width, page->width());
     height = std::max(height, page->height());
   }
@@ -89,13 +86,12 @@ GlObject UploadTable(const std::string& what, std::vector<TableEntry> entries) {
   return texture;
 }
 
-/// `terms[k][page]` as one list; every term must have as many pages as the first.
-std::vector<const Image*> ListPages(const std::vector<std::vector<Image>>& terms, size_t count) {
+/// `terms[k][page]` as one list, and where each term's pages begin in it.
+std::vector<const Image*> ListPages(const std::vector<std::vector<Image>>& terms,
+                                    std::array<int, GlLightFieldMaps::kMostTerms>& first) {
   std::vector<const Image*> pages;
-  for (size_t k = 0; k < count; ++k) {
-    if (k >= terms.size() || terms[k].size() != terms[0].size()) {
-      throw Error("the model's terms differ in their number of pages; encode it again");
-    }
+  for (size_t k = 0; k < terms.size(); ++k) {
+    first[k] = static_cast<int>(pages.size());
     for (const Image& page : terms[k]) pages.push_back(&page);
   }
   return pages;
@@ -104,10 +100,11 @@ std::vector<const Image*> ListPages(const std::vector<std::vector<Image>>& terms
 std::vector<TableEntry> FrameEntries(const LightFieldModel& model) {
   std::vector<TableEntry> entries;
   entries.reserve(3 * model.vertex_frames.size());
-  for (const Eigen::Matrix3d& frame : model.vertex_frames) {
+  for (size_t v = 0; v < model.vertex_frames.size(); ++v) {
+    const auto slot = static_cast<float>(model.view_slots[v]);  // exact below 2^24
     for (int axis = 0; axis < 3; ++axis) {
-      const Eigen::Vector3f direction = frame.col(axis).cast<float>();
-      entries.push_back({direction.x(), direction.y(), direction.z(), 0});
+      const Eigen::Vector3f direction = model.vertex_frames[v].col(axis).cast<float>();
+      entries.push_back({direction.x(), direction.y(), direction.z(), slot});
     }
   }
   return entries;
@@ -132,16 +129,15 @@ std::vector<TableEntry> RangeEntries(const LightFieldModel& model) {
 GlLightFieldMaps UploadMaps(const LightFieldModel& model) {
   std::vector<const Image*> mean_pages;
   for (const Image& page : model.mean_pages) mean_pages.push_back(&page);
+  if (model.terms > GlLightFieldMaps::kMostTerms) {
+    throw Error("the model has " + std::to_string(model.terms) + " terms; 16 can be drawn");
+  }
   GlLightFieldMaps maps;
   maps.mean = UploadPages("mean", mean_pages);
-  maps.surface = UploadPages("surface", ListPages(model.surface_pages, model.terms));
-  maps.view = UploadPages("view", ListPages(model.view_pages, model.terms));
+  maps.surface = UploadPages("surface", ListPages(model.surface_pages, maps.surface_first));
+  maps.view = UploadPages("view", ListPages(model.view_pages, maps.view_first));
   maps.frames = UploadTable("frames", FrameEntries(model));
   maps.ranges = UploadTable("ranges", RangeEntries(model));
-  if (model.terms > 0) {
-    maps.surface_pages = static_cast<int>(model.surface_pages[0].size());
-    maps.view_pages = static_cast<int>(model.view_pages[0].size());
-  }
   return maps;
 }
 

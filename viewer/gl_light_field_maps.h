@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "encode/model.h"
 #include "viewer/gl_objects.h"
 
@@ -9,16 +11,19 @@ namespace lfm {
 /// A model's maps and tables as textures of the current OpenGL context.
 ///
 /// Pages are layers of texture arrays: mean page p is layer p; page p of term k is layer
-/// k * pages + p. Tables are float textures kTableWidth texels wide, entry i at texel
+/// first[k] + p. Tables are float textures kTableWidth texels wide, entry i at texel
 /// (i % kTableWidth, i / kTableWidth): the axes x, y, z of vertex v's frame at entries 3 v + 0, 1,
-/// 2; (surface scale, surface bias, view scale, view bias) of vertex v and term k at k * V + v,
-/// zero where the vertex has no such term.
+/// 2, with the tile (LightFieldModel::view_slots) as the fourth number of each; (surface scale,
+/// surface bias, view scale, view bias) of vertex v and term k at k * V + v, zero where the vertex
+/// has no such term.
 struct GlLightFieldMaps {
   static constexpr int kTableWidth = 1024;
+  static constexpr int kMostTerms = 16;
 
-  GlObject mean, surface, view;           ///< GL_TEXTURE_2D_ARRAY, RGB8, bilinear, clamped
-  GlObject frames, ranges;                ///< GL_TEXTURE_2D, RGBA32F
-  int surface_pages = 0, view_pages = 0;  ///< layers a term
+  GlObject mean, surface, view;  ///< GL_TEXTURE_2D_ARRAY, RGB8, bilinear, clamped
+  GlObject frames, ranges;       ///< GL_TEXTURE_2D, RGBA32F
+  /// Layer of each term's first page.
+  std::array<int, kMostTerms> surface_first{}, view_first{};
 };
 
 /// Uploads. Throws Error when a page or the number of pages exceeds the driver's limits (encode

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -104,6 +105,11 @@ void SetInteger(GLuint program, const char* name, int value) {
   glUniform1i(glGetUniformLocation(program, name), value);
 }
 
+void SetIntegers(GLuint program, const char* name, std::span<const int> values) {
+  glUniform1iv(glGetUniformLocation(program, name), static_cast<GLsizei>(values.size()),
+               values.data());
+}
+
 }  // namespace
 
 struct GlRenderer::State {
@@ -118,7 +124,7 @@ struct GlRenderer::State {
 
 GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<State>()) {
   RequireGl33();
-  ValidateMesh(model.mesh, "the model");
+  ValidateModel(model, "the model");
   Eigen::Vector3d low = model.mesh.vertices[0], high = low;
   for (const Eigen::Vector3d& vertex : model.mesh.vertices) {
     low = low.cwiseMin(vertex);
@@ -181,8 +187,8 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetInteger(program, "terms", std::clamp(options.evaluation.terms, 0, state_->terms));
   SetInteger(program, "vertex_count", state_->vertex_count);
   SetInteger(program, "grid", state_->grid);
-  SetInteger(program, "surface_pages", state_->maps.surface_pages);
-  SetInteger(program, "view_pages", state_->maps.view_pages);
+  SetIntegers(program, "surface_first", state_->maps.surface_first);
+  SetIntegers(program, "view_first", state_->maps.view_first);
   SetInteger(program, "view_tiles_per_row", state_->view_tiles_per_row);
   SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
   SetInteger(program, "table_width", GlLightFieldMaps::kTableWidth);

@@ -17,17 +17,6 @@ namespace {
 
 constexpr int kMaxSamplesPerSide = 16;
 
-void ValidateModelTables(const LightFieldModel& model) {
-  ValidateMesh(model.mesh, "the model");
-  const size_t vertices = model.mesh.vertices.size();
-  const size_t ranges = static_cast<size_t>(model.terms) * vertices;
-  if (model.placements.size() != model.mesh.triangles.size() ||
-      model.vertex_frames.size() != vertices || model.vertex_terms.size() != vertices ||
-      model.surface_ranges.size() != ranges || model.view_ranges.size() != ranges) {
-    throw Error("the model's tables do not fit its mesh; encode it again with lfm-encode");
-  }
-}
-
 void ValidateOptions(const RenderOptions& options) {
   if (options.samples_per_side < 1 || options.samples_per_side > kMaxSamplesPerSide) {
     throw Error("supersampling is " + std::to_string(options.samples_per_side) +
@@ -119,7 +108,7 @@ struct ReferenceRenderer::State {
 };
 
 ReferenceRenderer::ReferenceRenderer(LightFieldModel model) {
-  ValidateModelTables(model);
+  ValidateModel(model, "the model");
   state_ = std::make_unique<State>(std::move(model));
 }
 ReferenceRenderer::~ReferenceRenderer() = default;

@@ -158,11 +158,11 @@ TEST(EncodePictures, ShowsTheMapsAndTheShares) {
   const SyntheticLightField field = MakeLightField(
       MakeSphere(1), 8, 60, [](int) { return 5; }, GlossyAppearance);
   const EncodeResult result = Encode(field.Source(), {.terms = 2}, SilentProgress());
-  const auto pictures = DrawEncodePictures(result.model, result.singular_value_share, 32);
+  const auto pictures = DrawEncodePictures(result.model, result.singular_value_share, 8);
   ASSERT_EQ(pictures.size(), 6u);
   EXPECT_EQ(pictures[0].name, "mean-view");
-  EXPECT_EQ(pictures[0].image.width(), 32);
-  EXPECT_EQ(pictures[0].image.At<uint8_t>(9, 3), result.model.mean_pages[0].At<uint8_t>(9, 3));
+  EXPECT_EQ(pictures[0].image.width(), 8);
+  EXPECT_EQ(pictures[0].image.At<uint8_t>(6, 3), result.model.mean_pages[0].At<uint8_t>(6, 3));
   EXPECT_EQ(pictures[2].image.At<uint8_t>(5, 7), result.model.view_pages[0][0].At<uint8_t>(5, 7));
 }
 

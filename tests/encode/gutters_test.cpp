@@ -31,8 +31,9 @@ TEST_F(Gutters, CompletionsMakeTheHypotenuseLinearWithoutClamping) {
     const int n = model_.placements[t].edge_samples;
     for (int i = 1; i < n; ++i) {
       for (int c = 0; c < 3; ++c) {
-        for (const auto* pages :
-             {&model_.mean_pages, &model_.surface_pages[0], &model_.surface_pages[1]}) {
+        std::vector<const std::vector<Image>*> lists = {&model_.mean_pages};
+        for (int k = 0; k < model_.TriangleTerms(t); ++k) lists.push_back(&model_.surface_pages[k]);
+        for (const auto* pages : lists) {
           const int a = Code(*pages, t, i - 1, n - 1 - i, c), b = Code(*pages, t, i, n - 1 - i, c);
           const int c_code = Code(*pages, t, i - 1, n - i, c), d = Code(*pages, t, i, n - i, c);
           ASSERT_EQ(d, b + c_code - a);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "core/error.h"
@@ -54,8 +55,8 @@ TEST(Tiling, PatchesAreDisjointAndInside) {
   for (const int count : {1, 2, 3, 50, 777}) {
     std::vector<int> sizes(count);
     for (int& n : sizes) n = 2 + static_cast<int>(random() % 30);
-    ExpectDisjointAndInside(PlacePatches(sizes, 4096), sizes, 4096);
-    ExpectDisjointAndInside(PlacePatches(sizes, 256), sizes, 256);
+    ExpectDisjointAndInside(PlacePatches(sizes, {}, 4096), sizes, 4096);
+    ExpectDisjointAndInside(PlacePatches(sizes, {}, 256), sizes, 256);
   }
 }
 
@@ -65,7 +66,7 @@ TEST(Tiling, WastesLittle) {
   for (int& n : mixed) n = 9 + static_cast<int>(random() % 17);
   for (int& n : few_sizes) n = random() % 3 == 0 ? 17 : random() % 2 == 0 ? 25 : 33;
   for (const auto& sizes : {equal, mixed, few_sizes}) {
-    const PatchLayout layout = PlacePatches(sizes, 4096);
+    const PatchLayout layout = PlacePatches(sizes, {}, 4096);
     EXPECT_EQ(layout.page_sizes.size(), 1u);
     EXPECT_LT(Waste(layout, sizes), 0.02);
   }
@@ -80,7 +81,7 @@ TEST(Tiling, PaperModeStaysAboveOneHundredToOne) {
     sizes[t] = t % 2 == 0 ? 24 : 25;
     dense += 3.0 * PatchSampleCount(sizes[t]) * 1024;
   }
-  for (const auto& size : PlacePatches(sizes, 4096).page_sizes) {
+  for (const auto& size : PlacePatches(sizes, {}, 4096).page_sizes) {
     texels += static_cast<double>(size.x()) * size.y();
   }
   double views = 0;
@@ -94,19 +95,52 @@ TEST(Tiling, PaperModeStaysAboveOneHundredToOne) {
 
 TEST(Tiling, SplitsIntoPagesWhenOneIsTooSmall) {
   const std::vector<int> sizes(1000, 20);
-  const PatchLayout layout = PlacePatches(sizes, 256);
+  const PatchLayout layout = PlacePatches(sizes, {}, 256);
   EXPECT_GE(layout.page_sizes.size(), 4u);
   ExpectDisjointAndInside(layout, sizes, 256);
 }
 
 TEST(Tiling, RejectsPatchesLargerThanAPage) {
   const std::vector<int> too_large = {10, 300};
-  EXPECT_THROW(PlacePatches(too_large, 256), Error);
+  EXPECT_THROW(PlacePatches(too_large, {}, 256), Error);
   const std::vector<int> too_small = {1};
-  EXPECT_THROW(PlacePatches(too_small, 256), Error);
+  EXPECT_THROW(PlacePatches(too_small, {}, 256), Error);
   EXPECT_THROW(PlaceViews(5, 300, 256), Error);
-  EXPECT_TRUE(PlacePatches({}, 256).page_sizes.empty());
+  EXPECT_TRUE(PlacePatches({}, {}, 256).page_sizes.empty());
   EXPECT_TRUE(PlaceViews(0, 32, 256).page_sizes.empty());
+}
+
+// A term's pages are the top of the pages, hold every triangle that has the term, and little else.
+TEST(Tiling, TermsTakeTheTopOfThePages) {
+  std::mt19937 random(4);
+  std::vector<int> sizes(3000), terms(3000);
+  for (int& n : sizes) n = random() % 3 == 0 ? 7 : 13;
+  for (int& k : terms) k = static_cast<int>(random() % 5);
+  for (const int max_size : {4096, 256}) {
+    const PatchLayout layout = PlacePatches(sizes, terms, max_size);
+    ExpectDisjointAndInside(layout, sizes, max_size);
+    ASSERT_EQ(layout.term_page_sizes.size(), 4u);
+    for (int k = 0; k < 4; ++k) {
+      const auto& pages = layout.term_page_sizes[k];
+      double texels = 0, needed = 0;
+      for (size_t page = 0; page < pages.size(); ++page) {
+        EXPECT_EQ(pages[page].x(), layout.page_sizes[page].x());
+        EXPECT_LE(pages[page].y(), layout.page_sizes[page].y());
+        texels += static_cast<double>(pages[page].x()) * pages[page].y();
+      }
+      for (size_t t = 0; t < sizes.size(); ++t) {
+        if (terms[t] <= k) continue;
+        const PatchPlacement& p = layout.placements[t];
+        const int n = p.edge_samples;
+        needed += (n + 4) * (n + 3) / 2.0;
+        ASSERT_LT(p.page, static_cast<int>(pages.size()));
+        ASSERT_LT(std::max(TexelOfSample(p, -1, -1).y(), TexelOfSample(p, n, n).y()),
+                  pages[p.page].y());
+      }
+      EXPECT_LT(texels / needed, max_size == 256 ? 1.15 : 1.06) << k << ", " << max_size;
+    }
+  }
+  EXPECT_THROW(PlacePatches(sizes, std::vector<int>(2, 0), 256), Error);
 }
 
 TEST(Tiling, ViewTilesAreDisjointAndInside) {
@@ -115,6 +149,8 @@ TEST(Tiling, ViewTilesAreDisjointAndInside) {
       const ViewLayout layout = PlaceViews(vertices, 32, max_size);
       LightFieldModel model;
       model.grid = 32;
+      model.view_slots.resize(vertices);
+      std::iota(model.view_slots.begin(), model.view_slots.end(), 0);
       model.view_tiles_per_row = layout.tiles_per_row;
       model.view_tiles_per_page = layout.tiles_per_page;
       std::map<std::tuple<int, int, int>, int> tiles;

@@ -240,7 +240,7 @@ TEST_F(GlRendererTest, RefusesLensesPagesAndSizesItCannotDraw) {
   many.view_pages[1] = many.view_pages[0] = many.view_pages[2];
   EXPECT_THROW(GlRenderer{many}, Error);
   LightFieldModel uneven = model;
-  uneven.view_pages[1].pop_back();
+  uneven.view_pages[1].clear();
   EXPECT_THROW(GlRenderer{uneven}, Error);
   LightFieldModel gray = model;
   gray.mean_pages[0] = Image(8, 8, 1, PixelType::kUint8, ColorEncoding::kSrgb);

@@ -170,7 +170,7 @@ LightFieldModel MakeModel(const TriangleMesh& mesh, const ModelRecipe& recipe) {
   model.view_tiles_per_row = kTileColumns;
   model.view_tiles_per_page = kTileColumns * kTileRows;
   const int surface_pages = model.placements.back().page + 1;
-  const int view_pages = model.ViewTile(vertices - 1).page + 1;
+  const int view_pages = (vertices - 1) / model.view_tiles_per_page + 1;
   model.mean_pages = MakePages(surface_pages, kCellColumns * kCell, kCellRows * kCell);
   model.surface_pages.assign(model.terms, model.mean_pages);
   model.view_pages.assign(
@@ -178,6 +178,7 @@ LightFieldModel MakeModel(const TriangleMesh& mesh, const ModelRecipe& recipe) {
   for (int v = 0; v < vertices; ++v) {
     model.vertex_terms.push_back(recipe.vertex_terms ? recipe.vertex_terms(v) : model.terms);
   }
+  model.view_slots = RankByTerms(model.vertex_terms);
   for (int k = 0; k < model.terms; ++k) {
     for (int v = 0; v < vertices; ++v) {
       const float wider = 0.1f * static_cast<float>((v + 2 * k) % 5);

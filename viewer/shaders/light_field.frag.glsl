@@ -18,8 +18,8 @@ uniform int table_width;
 uniform int terms;
 uniform int vertex_count;
 uniform int grid;
-uniform int surface_pages;
-uniform int view_pages;
+uniform int surface_first[16];  // layer of each term's first page
+uniform int view_first[16];
 uniform int orthographic;
 uniform int view_coordinates_per_vertex;
 uniform int wireframe;
@@ -55,10 +55,10 @@ void main() {
   }
   vec3 sum = ReadTexel(mean_maps, patch_texel, patch_page);
   for (int k = 0; k < terms; ++k) {
-    vec3 surface = ReadTexel(surface_maps, patch_texel, k * surface_pages + patch_page);
+    vec3 surface = ReadTexel(surface_maps, patch_texel, surface_first[k] + patch_page);
     for (int j = 0; j < 3; ++j) {
       vec4 range = Range(k, patch_corners[j]);
-      vec3 view = ReadTexel(view_maps, view_texel[j], k * view_pages + view_tile[j].z);
+      vec3 view = ReadTexel(view_maps, view_texel[j], view_first[k] + view_tile[j].z);
       sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
     }
   }

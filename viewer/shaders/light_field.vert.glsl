@@ -26,9 +26,10 @@ flat out int patch_page;
 flat out ivec3 patch_corners;
 flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
 
-vec3 FrameAxis(int vertex, int axis) {
+// xyz: an axis of the vertex's frame; w: the number of its view tile.
+vec4 FrameEntry(int vertex, int axis) {
   int entry = 3 * vertex + axis;
-  return texelFetch(frames, ivec2(entry % table_width, entry / table_width), 0).xyz;
+  return texelFetch(frames, ivec2(entry % table_width, entry / table_width), 0);
 }
 
 //#include square_from_direction
@@ -43,13 +44,14 @@ void main() {
   vec3 to_eye = eye - position;
   for (int j = 0; j < 3; ++j) {
     int v = corners[j];
-    vec3 in_frame =
-        vec3(dot(FrameAxis(v, 0), to_eye), dot(FrameAxis(v, 1), to_eye), dot(FrameAxis(v, 2), to_eye));
+    vec4 x_axis = FrameEntry(v, 0);
+    vec3 in_frame = vec3(dot(x_axis.xyz, to_eye), dot(FrameEntry(v, 1).xyz, to_eye),
+                         dot(FrameEntry(v, 2).xyz, to_eye));
     view_vector[j] = view_coordinates_per_vertex != 0
                          ? vec3(SquareFromDirection(normalize(in_frame), orthographic != 0), 0.0)
                          : in_frame;
-    int in_page = v % view_tiles_per_page;
+    int slot = int(x_axis.w + 0.5), in_page = slot % view_tiles_per_page;
     view_tile[j] = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
-                         v / view_tiles_per_page);
+                         slot / view_tiles_per_page);
   }
 }

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/model_layout.h"
+
+#include <algorithm>
+
+#include "encode/tiling.h"
+
+namespace lfm {
+namespace {
+
+std::vector<Image> MakePages(const std::vector<Eigen::Vector2i>& sizes) {
+  std::vector<Image> pages;
+  for (const Eigen::Vector2i& size : sizes) {
+    pages.emplace_back(size.x(), size.y(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  }
+  return pages;
+}
+
+// Writes one channel set of a patch: texel channel `first` on, `count` codes a sample.
+void WritePatch(Image& page, const PatchPlacement& placement, const uint8_t* codes, int first,
+                int count) {
+  const int n = placement.edge_samples;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) {
+      const Eigen::Vector2i texel = TexelOfSample(placement, i, j);
+      std::copy_n(codes + size_t{1} * PatchSampleIndex(n, i, j) * count, count,
+                  &page.At<uint8_t>(texel.x(), texel.y(), first));
+    }
+  }
+}
+
+void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int term,
+               LightFieldModel& model) {
+  const size_t range = term * model.vertex_frames.size() + vertex;
+  model.surface_ranges[range] = maps.surface_range;
+  model.view_ranges[range] = maps.view_range;
+  const uint8_t* codes = maps.surface_codes.data();
+  for (const int triangle : ring) {
+    const PatchPlacement& placement = model.placements[triangle];
+    const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
+    const int corner = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+    WritePatch(model.surface_pages[term][placement.page], placement, codes, corner, 1);
+    codes += PatchSampleCount(placement.edge_samples);
+  }
+  const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
+  for (int row = 0; row < model.grid; ++row) {
+    std::copy_n(maps.view_codes.data() + size_t{3} * row * model.grid, 3 * model.grid,
+                &model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row));
+  }
+}
+
+}  // namespace
+
+LightFieldModel LayOutModel(const LightFieldSource& source, std::span<const int> edge_samples,
+                            std::vector<int> vertex_terms, int max_texture_size) {
+  LightFieldModel model;
+  model.mesh = source.mesh;
+  model.vertex_frames = source.vertex_frames;
+  model.direction_map = source.direction_map;
+  model.grid = source.grid;
+  model.vertex_terms = std::move(vertex_terms);
+  model.view_slots = RankByTerms(model.vertex_terms);
+  const size_t vertices = model.vertex_terms.size();
+  std::vector<int> triangle_terms;
+  for (size_t t = 0; t < edge_samples.size(); ++t) {
+    triangle_terms.push_back(model.TriangleTerms(static_cast<int>(t)));
+  }
+  PatchLayout patches = PlacePatches(edge_samples, triangle_terms, max_texture_size);
+  const auto tiles_of_term = [&](int k) {
+    return static_cast<int>(std::count_if(model.vertex_terms.begin(), model.vertex_terms.end(),
+                                          [k](int terms) { return terms > k; }));
+  };
+  const ViewLayout views = PlaceViews(tiles_of_term(0), source.grid, max_texture_size);
+  model.terms = static_cast<int>(patches.term_page_sizes.size());
+  model.placements = std::move(patches.placements);
+  model.mean_pages = MakePages(patches.page_sizes);
+  for (int k = 0; k < model.terms; ++k) {
+    model.surface_pages.push_back(MakePages(patches.term_page_sizes[k]));
+    model.view_pages.push_back(MakePages(ViewPageSizes(views, tiles_of_term(k), source.grid)));
+  }
+  model.view_tiles_per_row = views.tiles_per_row;
+  model.view_tiles_per_page = views.tiles_per_page;
+  model.surface_ranges.assign(model.terms * vertices, MapRange{0, 0});
+  model.view_ranges.assign(model.terms * vertices, MapRange{0, 0});
+  return model;
+}
+
+void WriteMean(const std::vector<uint8_t>& codes, int triangle, LightFieldModel& model) {
+  const PatchPlacement& placement = model.placements[triangle];
+  WritePatch(model.mean_pages[placement.page], placement, codes.data(), 0, 3);
+}
+
+void WriteVertexTerms(std::span<const int> ring, const std::vector<TermMaps>& terms, int vertex,
+                      LightFieldModel& model) {
+  for (int k = 0; k < model.vertex_terms[vertex]; ++k) {
+    WriteTerm(ring, terms[k], vertex, k, model);
+  }
+}
+
+}  // namespace lfm

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "encode/light_field_source.h"
+#include "encode/model.h"
+#include "encode/vertex_factorization.h"
+
+namespace lfm {
+
+/// A model with pages of the right sizes and nothing in them: patches of `edge_samples` (one a
+/// triangle), view tiles, and as many terms as `vertex_terms` says.
+LightFieldModel LayOutModel(const LightFieldSource& source, std::span<const int> edge_samples,
+                            std::vector<int> vertex_terms, int max_texture_size);
+
+/// Writes the mean view of a triangle, 3 codes a sample, into its page.
+void WriteMean(const std::vector<uint8_t>& codes, int triangle, LightFieldModel& model);
+
+/// Writes the first terms of a vertex, as many as the model has of it, into the pages. `ring` lists
+/// its triangles in the order of the maps' rows. Vertices write to bytes of their own: many threads
+/// may write at once.
+void WriteVertexTerms(std::span<const int> ring, const std::vector<TermMaps>& terms, int vertex,
+                      LightFieldModel& model);
+
+}  // namespace lfm
