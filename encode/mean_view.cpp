@@ -149,20 +149,21 @@ void KeepCompletionsInRange(int n, std::vector<uint8_t>& codes) {
   }
 }
 
-MeanView QuantizeMean(const SharedSamples& shared, std::span<const int> edge_samples,
-                      const std::vector<std::vector<float>>& means) {
-  MeanView view;
+std::vector<std::vector<uint8_t>> QuantizeMean(const SharedSamples& shared,
+                                               std::span<const int> edge_samples,
+                                               const std::vector<std::vector<float>>& means) {
+  std::vector<std::vector<uint8_t>> all;
   std::vector<uint8_t*> patches;
   for (const auto& mean : means) {
-    auto& codes = view.codes.emplace_back(mean.size());
+    auto& codes = all.emplace_back(mean.size());
     for (size_t k = 0; k < mean.size(); ++k) {
       codes[k] = static_cast<uint8_t>(std::lround(255 * std::clamp(mean[k], 0.f, 1.f)));
     }
     patches.push_back(codes.data());
   }
   MakeCodesContinuous(shared, 3, patches);
-  for (size_t t = 0; t < means.size(); ++t) KeepCompletionsInRange(edge_samples[t], view.codes[t]);
-  return view;
+  for (size_t t = 0; t < means.size(); ++t) KeepCompletionsInRange(edge_samples[t], all[t]);
+  return all;
 }
 
 // For each vertex its neighbours, flattened; repeats do no harm to an average.
@@ -216,6 +217,20 @@ bool Sweep(const Adjacency& adjacency, const std::vector<uint8_t>& fill,
 
 }  // namespace
 
+std::vector<std::vector<uint8_t>> ContinuousMeanCodes(const SharedSamples& shared,
+                                                      std::span<const int> edge_samples,
+                                                      std::span<const uint8_t> measured,
+                                                      std::vector<std::vector<float>> means) {
+  std::vector<PatchValues> patches(means.size());
+  for (size_t t = 0; t < means.size(); ++t) {
+    patches[t] = {means[t].data(), measured[t] != 0};
+    for (float& value : means[t]) value = std::clamp(value, 0.f, 1.f);
+  }
+  MakeContinuous(shared, 3, patches);
+  MakeCompletable(shared, edge_samples, patches, means);
+  return QuantizeMean(shared, edge_samples, means);
+}
+
 std::vector<Eigen::Vector3f> SpreadVertexColors(const TriangleMesh& mesh,
                                                 std::vector<Eigen::Vector3f> colors,
                                                 std::vector<uint8_t> known) {
@@ -261,14 +276,8 @@ MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& sh
     throw Error("encode: no photograph shows enough of any triangle; check poses and mesh");
   }
   if (unseen > 0) FillUnseen(source, edge_samples, measured, means);
-  std::vector<PatchValues> patches(triangles);
-  for (int t = 0; t < triangles; ++t) patches[t] = {means[t].data(), measured[t] != 0};
-  for (auto& mean : means) {
-    for (float& value : mean) value = std::clamp(value, 0.f, 1.f);
-  }
-  MakeContinuous(shared, 3, patches);
-  MakeCompletable(shared, edge_samples, patches, means);
-  MeanView view = QuantizeMean(shared, edge_samples, means);
+  MeanView view;
+  view.codes = ContinuousMeanCodes(shared, edge_samples, measured, std::move(means));
   view.unseen_triangles = static_cast<int>(unseen);
   return view;
 }

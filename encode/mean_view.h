@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/progress.h"
@@ -25,6 +26,14 @@ struct MeanView {
 /// Throws Error when no triangle at all is seen, or the source is inconsistent.
 MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& shared,
                          double guessed_weight, Progress& progress);
+
+/// 8-bit codes of mean views (3 values a sample, sRGB-coded) that are equal on shared samples and
+/// whose completions stay in range, as above. `measured`: patches that give their neighbours values
+/// (PatchValues).
+std::vector<std::vector<uint8_t>> ContinuousMeanCodes(const SharedSamples& shared,
+                                                      std::span<const int> edge_samples,
+                                                      std::span<const uint8_t> measured,
+                                                      std::vector<std::vector<float>> means);
 
 /// Colours for vertices that are not `known` (sRGB-coded RGB), spread from those that are along
 /// the mesh's edges and smoothed; parts without any known vertex take the mean of all known ones.

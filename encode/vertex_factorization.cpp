@@ -16,15 +16,6 @@ constexpr double kInvisible = 0.5 / 255;
 constexpr double kPcaTolerance = 1e-6;
 constexpr int kProductWidth = 8;  // the narrowest that the kernels multiply
 
-struct Extent {
-  float low = 0, high = 0;
-  float max_abs() const { return std::max(-low, high); }
-  void Include(float value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-};
-
 // A term's maps as the decoder will see them, and F^T u, from which errors follow without F.
 struct DecodedTerm {
   std::vector<float> surface;   // M; 0 in triangles that nobody saw: no data to fit
@@ -104,43 +95,28 @@ void ContinueIntoUnseen(const VertexOperator& f, const SharedSamples& shared,
   if (any_unseen) MakeContinuous(shared, 1, patches);
 }
 
-// Values of the map, and of the completions beyond the hypotenuse that the gutters will hold.
-Extent SurfaceExtent(const VertexOperator& f, const std::vector<float>& u) {
-  Extent extent;
-  for (const float value : u) extent.Include(value);
-  for (const RingBlock& block : f.blocks) {
-    const int n = block.edge_samples;
-    const float* values = u.data() + block.first_row;
-    for (int i = 0; i <= n - 2; ++i) {
-      const int j = n - 2 - i;
-      extent.Include(values[PatchSampleIndex(n, i + 1, j)] + values[PatchSampleIndex(n, i, j + 1)] -
-                     values[PatchSampleIndex(n, i, j)]);
-    }
-  }
-  return extent;
+std::vector<int> EdgeSamples(const VertexOperator& f) {
+  std::vector<int> sizes;
+  for (const RingBlock& block : f.blocks) sizes.push_back(block.edge_samples);
+  return sizes;
 }
 
-// Quantises the surface map u * factor, edges equal on both sides.
-void QuantizeSurface(const VertexOperator& f, const SharedSamples& shared,
-                     const std::vector<float>& u, const Extent& extent, double factor,
-                     TermMaps& maps, DecodedTerm& decoded) {
-  const auto scale = static_cast<float>(factor);
-  maps.surface_range = SurfaceRange(extent.low * scale, extent.high * scale);
-  maps.surface_codes.resize(u.size());
-  for (size_t row = 0; row < u.size(); ++row) {
-    maps.surface_codes[row] = QuantizeValue(maps.surface_range, u[row] * scale);
-  }
-  std::vector<uint8_t*> patches;
-  for (const RingBlock& block : f.blocks) {
-    patches.push_back(maps.surface_codes.data() + block.first_row);
-  }
-  MakeCodesContinuous(shared, 1, patches);
-  decoded.surface.assign(u.size(), 0.f);
+// The surface map as the decoder will see it; 0 in triangles that nobody saw.
+void DecodeSurface(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {
+  decoded.surface.assign(maps.surface_codes.size(), 0.f);
   for (const RingBlock& block : f.blocks) {
     if (block.views == 0) continue;
     for (int row = block.first_row; row < block.first_row + block.samples; ++row) {
       decoded.surface[row] = DecodeValue(maps.surface_range, maps.surface_codes[row]);
     }
+  }
+}
+
+void DecodeView(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {
+  decoded.view.resize(f.cols());
+  for (int col = 0; col < f.cols(); ++col) {
+    const int q = col % f.directions, channel = col / f.directions;
+    decoded.view[col] = DecodeValue(maps.view_range, maps.view_codes[3 * q + channel]);
   }
 }
 
@@ -155,22 +131,6 @@ std::vector<double> ProductWith(const VertexOperator& f, const std::vector<float
   return product;
 }
 
-void QuantizeView(const VertexOperator& f, const std::vector<float>& view, TermMaps& maps,
-                  DecodedTerm& decoded) {
-  const auto [low, high] = std::minmax_element(view.begin(), view.end());
-  maps.view_range = ViewRange(*low, *high);
-  maps.view_codes.resize(f.cols());
-  decoded.view.resize(f.cols());
-  for (int channel = 0; channel < 3; ++channel) {
-    for (int q = 0; q < f.directions; ++q) {
-      const int col = channel * f.directions + q;
-      const uint8_t code = QuantizeValue(maps.view_range, view[col]);
-      maps.view_codes[3 * q + channel] = code;
-      decoded.view[col] = DecodeValue(maps.view_range, code);
-    }
-  }
-}
-
 // The least squares view map of the remainder that the earlier quantised terms left.
 void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, TermMaps& maps,
              DecodedTerm& decoded) {
@@ -183,7 +143,8 @@ void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, T
   const double norm = Dot(decoded.surface, decoded.surface);
   std::vector<float> view(f.cols());
   for (int col = 0; col < f.cols(); ++col) view[col] = static_cast<float>(fit[col] / norm);
-  QuantizeView(f, view, maps, decoded);
+  QuantizeView(view, maps);
+  DecodeView(f, maps, decoded);
 }
 
 // R becomes F_{p+1}^T U: minus D v (u^T U).
@@ -238,7 +199,7 @@ std::optional<Candidate> NextTerm(const VertexOperator& f, const SharedSamples& 
     view_extent.Include(view[col] / column_scale[col % column_scale.size()]);
   }
   ContinueIntoUnseen(f, shared, next.surface);
-  next.extent = SurfaceExtent(f, next.surface);
+  next.extent = SurfaceExtent(EdgeSamples(f), next.surface);
   const double max_u = next.extent.max_abs(), max_v = view_extent.max_abs();
   if (!(max_u * max_v > kInvisible)) return std::nullopt;
   next.split = SplitAlpha(max_u, max_v);
@@ -291,7 +252,8 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
     if (!next) break;
     TermMaps maps;
     DecodedTerm term;
-    QuantizeSurface(f, shared, next->surface, next->extent, next->split.surface, maps, term);
+    QuantizeSurface(EdgeSamples(f), shared, next->surface, next->extent, next->split.surface, maps);
+    DecodeSurface(f, maps, term);
     FitView(f, decoded, maps, term);
     Deflate(term, column_scale, space, remainder);
     decoded.push_back(std::move(term));

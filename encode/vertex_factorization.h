@@ -5,18 +5,11 @@
 #include <vector>
 
 #include "encode/factored_operator.h"
-#include "encode/model.h"
+#include "encode/map_quantization.h"
 #include "encode/pca_solver.h"
 #include "encode/shared_samples.h"
 
 namespace lfm {
-
-/// One quantised term of a vertex.
-struct TermMaps {
-  MapRange surface_range, view_range;
-  std::vector<uint8_t> surface_codes;  ///< M, in the order of the operator's rows
-  std::vector<uint8_t> view_codes;     ///< 3 q + channel, N directions
-};
 
 /// The quantised factors of one vertex and how well they do.
 struct VertexTerms {
