@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/options.h"
+#include "encode/model.h"
+
+namespace lfm {
+
+/// The form of a model for disks and networks (docs/formats.md): transformed, quantised and entropy
+/// coded maps in the order of what they bring. It is decoded to the run-time form when it is
+/// loaded.
+
+struct TransportOptions {
+  double psnr_db = 48;
+  void Declare(OptionVisitor& v) {
+    v.Number({"transport-db",
+              "PSNR of the light field that the transport form gives back, against that of the "
+              "model that it was made of: bytes against accuracy.",
+              "dB", 20, 80},
+             psnr_db);
+  }
+};
+
+/// Where the bytes go.
+struct TransportSizes {
+  int64_t total = 0, geometry = 0, mean = 0;
+  std::vector<int64_t> terms;  ///< of each term
+};
+
+/// Each term u v^T of a vertex is coded as sigma u / |u| and sigma v / |v|, so that an error in
+/// either weighs the same in their product: cosine coefficients of both (triangles, square of
+/// directions, opponent colours) are quantised with one step for the whole model, with a dead zone.
+/// The step follows from `psnr_db`, judged over all vertices' matrices as in
+/// EncodeResult::matrix_psnr_db; the mean view is coded 3 dB finer. What rounds to zero goes.
+///
+/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent.
+std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
+                            TransportSizes* sizes = nullptr);
+
+/// The run-time form: maps made continuous, quantised to 8 bits and tiled as Encode does. Any
+/// prefix that holds the mean view is a model: `parts_missing`, when given, says how many parts of
+/// the stream were not there. Throws Error, beginning with `name`, for what is damaged, hostile, or
+/// ends before that.
+LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
+                                int* parts_missing = nullptr);
+
+/// Reads a model in either form: a .glb, or the transport form, told apart by their first bytes.
+LightFieldModel ReadModel(const std::filesystem::path& file);
+
+}  // namespace lfm

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/transport_stream.h"
+
+#include "core/parallel.h"
+#include "resample/light_field.h"
+
+namespace lfm::transport {
+
+std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& edge_samples) {
+  const VertexRings rings = ComputeVertexRings(mesh);
+  std::vector<Ring> result(mesh.vertices.size());
+  ParallelFor(0, static_cast<int64_t>(result.size()), [&](int64_t v) {
+    Ring& ring = result[v];
+    std::vector<Eigen::Vector3i> corners;
+    for (int e = rings.offsets[v]; e < rings.offsets[v + 1]; ++e) {
+      const int triangle = rings.triangles[e];
+      ring.triangles.push_back(triangle);
+      ring.edge_samples.push_back(edge_samples[triangle]);
+      ring.samples += PatchSampleCount(edge_samples[triangle]);
+      corners.push_back(mesh.triangles[triangle]);
+    }
+    ring.shared = FindSharedSamples(corners, ring.edge_samples);
+  });
+  return result;
+}
+
+MapTransform MakeTransform(const std::vector<int>& edge_samples, int grid) {
+  std::vector<int> sides = edge_samples;
+  sides.push_back(grid);
+  return MapTransform(sides);
+}
+
+Eigen::Vector3f PredictMean(const Eigen::Vector3i& neighbors, int triangle,
+                            const std::vector<Eigen::Vector3f>& colors) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  int count = 0;
+  for (const int neighbor : neighbors) {
+    if (neighbor < 0 || neighbor >= triangle) continue;
+    sum += colors[neighbor];
+    ++count;
+  }
+  if (count > 0) return sum / static_cast<float>(count);
+  return triangle > 0 ? colors[triangle - 1] : Eigen::Vector3f(0.5F, 0.5F, 0.5F);
+}
+
+}  // namespace lfm::transport

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/triangle_mesh.h"
+#include "encode/coefficient_coder.h"
+#include "encode/map_transform.h"
+#include "encode/shared_samples.h"
+
+/// What writer and reader of the transport form share (docs/formats.md).
+namespace lfm::transport {
+
+inline constexpr std::array<char, 8> kMagic = {'L', 'F', 'M', 'Z', '\r', '\n', '\x1a', '\n'};
+inline constexpr uint32_t kVersion = 1;
+inline constexpr int kChunk = 1024;             // vertices whose maps of one term are one part
+inline constexpr double kFrameStep = 1e-3;      // rad
+inline constexpr double kSigmasAnOctave = 8;    // of the scale of a term
+inline constexpr int kMostSigma = 240;          // in those steps: 2^30
+inline constexpr float kShrink = 0.06F;         // reconstruction lies nearer to zero
+inline constexpr float kRoundUp = 0.35F;        // from k + 1 - this on a magnitude becomes k + 1
+inline constexpr int kMostMagnitude = 1 << 20;  // of a quantised coefficient
+inline constexpr int kSizeClasses = 8;
+
+enum class Part : uint32_t { kGeometry = 1, kMean = 2, kTerm = 3 };
+
+/// Before each part; little-endian.
+struct PartHeader {
+  uint32_t part = 0;
+  uint32_t term = 0, first_vertex = 0, count = 0;  // of kTerm; else 0
+  uint64_t bytes = 0, checksum = 0;                // of what follows
+};
+
+struct FileHeader {
+  std::array<char, 8> magic = kMagic;
+  uint32_t version = kVersion;
+  uint32_t parts = 0;
+};
+
+/// At the head of the geometry.
+struct GeometryHeader {
+  uint32_t vertices = 0, triangles = 0, terms = 0, grid = 0, direction_map = 0, max_texture = 0;
+  std::array<double, 3> origin{};
+  double step = 0;  // mm
+};
+
+inline uint32_t Zigzag(int64_t value) {
+  return static_cast<uint32_t>(value < 0 ? -2 * value - 1 : 2 * value);
+}
+inline int64_t Unzigzag(uint32_t value) {
+  return (value & 1) != 0 ? -(int64_t{value} + 1) / 2 : int64_t{value} / 2;
+}
+
+inline int SizeClass(int edge_samples) {
+  const auto width = static_cast<int>(std::bit_width(static_cast<unsigned>(edge_samples - 1)));
+  return std::min(width, kSizeClasses - 1);
+}
+
+inline float Dequantize(int value, float step) {
+  if (value == 0) return 0;
+  const float magnitude = static_cast<float>(std::abs(value)) - kShrink;
+  return step * (value < 0 ? -magnitude : magnitude);
+}
+
+inline double SigmaOf(int exponent) { return std::exp2(exponent / kSigmasAnOctave); }
+
+/// The ring of a vertex as its maps know it.
+struct Ring {
+  std::vector<int> triangles, edge_samples;
+  int samples = 0;
+  SharedSamples shared;
+};
+std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& edge_samples);
+
+/// The sides that maps of these sizes need.
+MapTransform MakeTransform(const std::vector<int>& edge_samples, int grid);
+
+/// The models of one part with terms.
+struct TermModels {
+  std::array<BitModel, 2> has;  // whether a vertex has the term; by whether the one before had
+  NumberModels sigma;
+  std::array<CoefficientModels, kSizeClasses> surface;
+  CoefficientModels view;
+};
+
+/// What the mean view of a triangle is predicted from: the colours of those before it.
+Eigen::Vector3f PredictMean(const Eigen::Vector3i& neighbors, int triangle,
+                            const std::vector<Eigen::Vector3f>& colors);
+
+}  // namespace lfm::transport

@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/parallel.h"
+#include "encode/quantization.h"
+#include "encode/tiling.h"
+#include "encode/transport_form.h"
+#include "encode/transport_stream.h"
+#include "resample/light_field.h"
+
+namespace lfm {
+namespace {
+
+using transport::Ring;
+
+int QuantizeCoefficient(float value, float step) {
+  const float magnitude = std::min(std::abs(value) / step + transport::kRoundUp,
+                                   static_cast<float>(transport::kMostMagnitude));
+  return value < 0 ? -static_cast<int>(magnitude) : static_cast<int>(magnitude);
+}
+
+void QuantizeInto(const Eigen::MatrixXf& coefficients, float step, int channel,
+                  CoefficientBlock& block) {
+  for (int row = 0; row < block.side; ++row) {
+    for (int column = 0; column < block.side; ++column) {
+      block.At(channel, row, column) = QuantizeCoefficient(coefficients(row, column), step);
+    }
+  }
+}
+
+CoefficientBlock EmptyBlock(int side, int channels, bool triangular) {
+  return {side, channels, triangular,
+          std::vector<int>(static_cast<size_t>(channels) * side * side, 0)};
+}
+
+// The coefficients of one term of one vertex, scaled so that both sides weigh the same.
+struct TermCoefficients {
+  int sigma = 0;  // exponent
+  std::vector<Eigen::MatrixXf> surface;
+  std::array<Eigen::MatrixXf, 3> view;
+};
+
+class MapSource {
+ public:
+  MapSource(const LightFieldModel& model, const MapTransform& transform)
+      : model_(model), transform_(transform) {}
+
+  std::vector<float> Mean(int triangle, const Eigen::Vector3f& subtracted) const {
+    const PatchPlacement& place = model_.placements[triangle];
+    const int n = place.edge_samples;
+    std::vector<float> values(size_t{3} * PatchSampleCount(n));
+    ForEachTexel(model_.mean_pages[place.page], place, [&](int sample, const uint8_t* texel) {
+      for (int c = 0; c < 3; ++c) {
+        values[3 * sample + c] = static_cast<float>(texel[c]) / 255 - subtracted[c];
+      }
+    });
+    return values;
+  }
+
+  // None where either map is zero.
+  bool Term(const Ring& ring, int vertex, int k, TermCoefficients& out) const {
+    std::vector<std::vector<float>> surface = Surface(ring, vertex, k);
+    Eigen::MatrixXf view = View(vertex, k);
+    double u = 0, v = view.cast<double>().squaredNorm();
+    for (const auto& patch : surface) {
+      for (const float value : patch) u += static_cast<double>(value) * value;
+    }
+    if (!(u > 0) || !(v > 0)) return false;
+    const double sigma = std::sqrt(u) * std::sqrt(v);
+    out.sigma =
+        std::clamp(static_cast<int>(std::lround(transport::kSigmasAnOctave * std::log2(sigma))),
+                   -transport::kMostSigma, transport::kMostSigma);
+    const auto surface_scale = static_cast<float>(transport::SigmaOf(out.sigma) / std::sqrt(u));
+    out.surface.clear();
+    for (size_t i = 0; i < surface.size(); ++i) {
+      for (float& value : surface[i]) value *= surface_scale;
+      out.surface.push_back(transform_.ToTriangle(ring.edge_samples[i], surface[i]));
+    }
+    view = (view * OpponentColors()).eval() * static_cast<float>(std::sqrt(u));
+    const int grid = model_.grid;
+    for (int c = 0; c < 3; ++c) {
+      out.view[c] = transform_.ToSquare(
+          Eigen::Map<const Eigen::MatrixXf>(view.col(c).data(), grid, grid).transpose());
+    }
+    return true;
+  }
+
+ private:
+  template <typename Visit>
+  static void ForEachTexel(const Image& page, const PatchPlacement& place, const Visit& visit) {
+    const int n = place.edge_samples;
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i + j < n; ++i) {
+        const Eigen::Vector2i texel = TexelOfSample(place, i, j);
+        visit(PatchSampleIndex(n, i, j), &page.At<uint8_t>(texel.x(), texel.y()));
+      }
+    }
+  }
+
+  std::vector<std::vector<float>> Surface(const Ring& ring, int vertex, int k) const {
+    const MapRange& range = model_.surface_ranges[k * model_.vertex_frames.size() + vertex];
+    std::vector<std::vector<float>> patches;
+    for (const int triangle : ring.triangles) {
+      const PatchPlacement& place = model_.placements[triangle];
+      const Eigen::Vector3i& corners = model_.mesh.triangles[triangle];
+      const int corner = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+      auto& values = patches.emplace_back(PatchSampleCount(place.edge_samples));
+      ForEachTexel(model_.surface_pages[k][place.page], place,
+                   [&](int sample, const uint8_t* texel) {
+                     values[sample] = DecodeValue(range, texel[corner]);
+                   });
+    }
+    return patches;
+  }
+
+  // N x 3.
+  Eigen::MatrixXf View(int vertex, int k) const {
+    const MapRange& range = model_.view_ranges[k * model_.vertex_frames.size() + vertex];
+    const LightFieldModel::TilePosition tile = model_.ViewTile(vertex);
+    const Image& page = model_.view_pages[k][tile.page];
+    Eigen::MatrixXf view(model_.grid * model_.grid, 3);
+    for (int row = 0; row < model_.grid; ++row) {
+      const uint8_t* texel = &page.At<uint8_t>(tile.x, tile.y + row);
+      for (int column = 0; column < model_.grid; ++column) {
+        for (int c = 0; c < 3; ++c) {
+          view(row * model_.grid + column, c) = DecodeValue(range, texel[3 * column + c]);
+        }
+      }
+    }
+    return view;
+  }
+
+  const LightFieldModel& model_;
+  const MapTransform& transform_;
+};
+
+// How many coefficients have which magnitude, in eighths of an octave: counts do not depend on the
+// order in which threads add them.
+class Magnitudes {
+ public:
+  void Add(float value) {
+    const double magnitude = std::abs(static_cast<double>(value));
+    if (!(magnitude > 0)) return;
+    const int bin = static_cast<int>(std::lround(kBinsAnOctave * std::log2(magnitude))) + kZero;
+    ++counts_[std::clamp(bin, 0, kBins - 1)];
+  }
+  void Add(const Magnitudes& other) {
+    for (int bin = 0; bin < kBins; ++bin) counts_[bin] += other.counts_[bin];
+  }
+  // Squared error when quantised with this step.
+  double Error(double step) const {
+    double error = 0;
+    const double zero_below = (1 - transport::kRoundUp) * step;
+    for (int bin = 0; bin < kBins; ++bin) {
+      const double magnitude = std::exp2((bin - kZero) / kBinsAnOctave);
+      error += static_cast<double>(counts_[bin]) *
+               (magnitude < zero_below ? magnitude * magnitude : step * step / 12);
+    }
+    return error;
+  }
+
+ private:
+  static constexpr double kBinsAnOctave = 8;
+  static constexpr int kBins = 1024, kZero = 768;
+  std::array<int64_t, kBins> counts_{};
+};
+
+double StepForError(const Magnitudes& magnitudes, double error) {
+  double low = -100, high = 60;  // log2
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (magnitudes.Error(std::exp2(middle)) <= error ? low : high) = middle;
+  }
+  return std::exp2(low);
+}
+
+template <typename T>
+void Append(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+struct EncodedPart {
+  transport::PartHeader header;
+  std::string bytes;
+  double worth = 0;  // squared norm that it holds, a byte
+};
+
+EncodedPart MakePart(transport::Part part, std::string bytes) {
+  EncodedPart encoded;
+  encoded.header.part = static_cast<uint32_t>(part);
+  encoded.header.bytes = bytes.size();
+  encoded.header.checksum = Checksum(bytes.data(), bytes.size());
+  encoded.bytes = std::move(bytes);
+  return encoded;
+}
+
+// The mesh as the reader will have it.
+struct Geometry {
+  TriangleMesh mesh;
+  EncodedPart part;
+};
+
+Geometry EncodeGeometry(const LightFieldModel& model, const std::vector<int>& edge_samples) {
+  Eigen::Vector3d low = model.mesh.vertices.front(), high = low;
+  for (const Eigen::Vector3d& p : model.mesh.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  transport::GeometryHeader header;
+  header.vertices = static_cast<uint32_t>(model.mesh.vertices.size());
+  header.triangles = static_cast<uint32_t>(model.mesh.triangles.size());
+  header.terms = static_cast<uint32_t>(model.terms);
+  header.grid = static_cast<uint32_t>(model.grid);
+  header.direction_map = static_cast<uint32_t>(model.direction_map);
+  int largest = 256;
+  const auto include = [&largest](const std::vector<Image>& pages) {
+    for (const Image& page : pages) largest = std::max({largest, page.width(), page.height()});
+  };
+  include(model.mean_pages);
+  for (const auto& pages : model.view_pages) include(pages);
+  header.max_texture = static_cast<uint32_t>(largest);
+  std::copy_n(low.data(), 3, header.origin.begin());
+  header.step = std::max((high - low).maxCoeff(), 1e-30) / (1 << 18);
+
+  Geometry geometry;
+  geometry.mesh.triangles = model.mesh.triangles;
+  RangeEncoder coder;
+  NumberModels index, coordinate, size, turn;
+  Eigen::Vector3i before = Eigen::Vector3i::Zero();
+  for (const Eigen::Vector3i& triangle : model.mesh.triangles) {
+    for (int c = 0; c < 3; ++c) {
+      const int predicted = c == 0 ? before[0] : triangle[c - 1];
+      index.Encode(coder, transport::Zigzag(triangle[c] - predicted));
+    }
+    before = triangle;
+  }
+  Eigen::Vector3i last = Eigen::Vector3i::Zero();
+  for (const Eigen::Vector3d& p : model.mesh.vertices) {
+    const Eigen::Vector3i code = ((p - low) / header.step).array().round().matrix().cast<int>();
+    for (int a = 0; a < 3; ++a) coordinate.Encode(coder, transport::Zigzag(code[a] - last[a]));
+    last = code;
+    geometry.mesh.vertices.push_back(low + header.step * code.cast<double>());
+  }
+  for (const int n : edge_samples) size.Encode(coder, static_cast<uint32_t>(n - 2));
+  const std::vector<Eigen::Matrix3d> predicted = ComputeVertexFrames(geometry.mesh);
+  for (size_t v = 0; v < predicted.size(); ++v) {
+    const Eigen::AngleAxisd rotation(
+        Eigen::Matrix3d(model.vertex_frames[v] * predicted[v].transpose()));
+    const Eigen::Vector3d vector = rotation.angle() * rotation.axis();
+    for (int a = 0; a < 3; ++a) {
+      turn.Encode(coder, transport::Zigzag(std::lround(vector[a] / transport::kFrameStep)));
+    }
+  }
+  std::string bytes;
+  Append(bytes, header);
+  bytes += coder.Finish();
+  geometry.part = MakePart(transport::Part::kGeometry, std::move(bytes));
+  return geometry;
+}
+
+EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edge_samples,
+                       const MapTransform& transform, double psnr_db) {
+  // Rounding to multiples of a step errs by its twelfth, squared.
+  const auto step = static_cast<float>(std::sqrt(12 * std::pow(10.0, -(psnr_db + 3) / 10)));
+  const MapSource source(model, transform);
+  const std::vector<Eigen::Vector3i> neighbors = ComputeTriangleNeighbors(model.mesh);
+  std::vector<Eigen::Vector3f> colors(edge_samples.size());
+  RangeEncoder coder;
+  std::array<CoefficientModels, transport::kSizeClasses> models;
+  for (int t = 0; t < static_cast<int>(edge_samples.size()); ++t) {
+    const int n = edge_samples[t];
+    const Eigen::Vector3f predicted = transport::PredictMean(neighbors[t], t, colors);
+    const std::vector<float> values = source.Mean(t, predicted);
+    Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rgb(
+        values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
+    const Eigen::MatrixXf opponent = rgb * OpponentColors();
+    CoefficientBlock block = EmptyBlock(n, 3, true);
+    Eigen::Vector3f offset;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::VectorXf channel = opponent.col(c);
+      QuantizeInto(transform.ToTriangle(n, std::span(channel.data(), channel.size())), step, c,
+                   block);
+      offset[c] =
+          transport::Dequantize(block.At(c, 0, 0), step) * std::sqrt(2.F) / static_cast<float>(n);
+    }
+    colors[t] = predicted + OpponentColors() * offset;
+    models[transport::SizeClass(n)].Encode(coder, block);
+  }
+  std::string bytes;
+  Append(bytes, step);
+  bytes += coder.Finish();
+  return MakePart(transport::Part::kMean, std::move(bytes));
+}
+
+class TermWriter {
+ public:
+  TermWriter(const LightFieldModel& model, const MapTransform& transform, std::vector<Ring> rings)
+      : model_(model), source_(model, transform), rings_(std::move(rings)) {}
+
+  double StepFor(double psnr_db) const {
+    const auto vertices = static_cast<int64_t>(rings_.size());
+    const int64_t chunks = (vertices + transport::kChunk - 1) / transport::kChunk;
+    std::vector<Magnitudes> magnitudes(chunks);
+    ParallelFor(0, chunks, [&](int64_t chunk) {
+      const int64_t end = std::min((chunk + 1) * transport::kChunk, vertices);
+      for (int64_t v = chunk * transport::kChunk; v < end; ++v) {
+        CountVertex(static_cast<int>(v), magnitudes[chunk]);
+      }
+    });
+    Magnitudes all;
+    double entries = 0;
+    for (const Magnitudes& part : magnitudes) all.Add(part);
+    for (const Ring& ring : rings_) entries += 3.0 * model_.grid * model_.grid * ring.samples;
+    return StepForError(all, entries * std::pow(10.0, -psnr_db / 10));
+  }
+
+  // The parts of one chunk of vertices, a term each.
+  std::vector<EncodedPart> Chunk(int first, float step) const {
+    const int end = std::min(first + transport::kChunk, static_cast<int>(rings_.size()));
+    std::vector<uint8_t> has(end - first, 1);
+    std::vector<EncodedPart> parts;
+    for (int k = 0; k < model_.terms; ++k) {
+      EncodedPart part = EncodePart(first, end, k, step, has);
+      if (std::count(has.begin(), has.end(), 1) == 0) break;
+      part.header.term = static_cast<uint32_t>(k);
+      part.header.first_vertex = static_cast<uint32_t>(first);
+      part.header.count = static_cast<uint32_t>(end - first);
+      // A term never comes before the one that it adds to.
+      if (!parts.empty()) part.worth = std::min(part.worth, parts.back().worth);
+      parts.push_back(std::move(part));
+    }
+    return parts;
+  }
+
+ private:
+  void CountVertex(int vertex, Magnitudes& magnitudes) const {
+    TermCoefficients term;
+    for (int k = 0; k < model_.vertex_terms[vertex]; ++k) {
+      if (!source_.Term(rings_[vertex], vertex, k, term)) continue;
+      for (const Eigen::MatrixXf& patch : term.surface) {
+        for (int column = 0; column < patch.cols(); ++column) {
+          for (int row = column; row < patch.rows(); ++row) magnitudes.Add(patch(row, column));
+        }
+      }
+      for (const Eigen::MatrixXf& view : term.view) {
+        for (const float value : view.reshaped()) magnitudes.Add(value);
+      }
+    }
+  }
+
+  static bool AnyNonzero(const CoefficientBlock& block) {
+    return std::any_of(block.values.begin(), block.values.end(), [](int v) { return v != 0; });
+  }
+
+  // Vertices that do not have the term, or lose it to quantisation, lose it in `has`.
+  EncodedPart EncodePart(int first, int end, int k, float step, std::vector<uint8_t>& has) const {
+    RangeEncoder coder;
+    transport::TermModels models;
+    TermCoefficients term;
+    double energy = 0;
+    int sigma = 0;
+    bool before = true;
+    for (int v = first; v < end; ++v) {
+      if (!has[v - first]) continue;
+      std::vector<CoefficientBlock> surface;
+      CoefficientBlock view = EmptyBlock(model_.grid, 3, false);
+      bool own = k < model_.vertex_terms[v] && source_.Term(rings_[v], v, k, term);
+      if (own) {
+        bool any = false;
+        for (const Eigen::MatrixXf& patch : term.surface) {
+          surface.push_back(EmptyBlock(static_cast<int>(patch.rows()), 1, true));
+          QuantizeInto(patch, step, 0, surface.back());
+          any = any || AnyNonzero(surface.back());
+        }
+        for (int c = 0; c < 3; ++c) QuantizeInto(term.view[c], step, c, view);
+        own = any && AnyNonzero(view);
+      }
+      coder.Encode(models.has[before], own);
+      before = own;
+      has[v - first] = own;
+      if (!own) continue;
+      models.sigma.Encode(coder, transport::Zigzag(term.sigma - sigma));
+      sigma = term.sigma;
+      energy += transport::SigmaOf(sigma) * transport::SigmaOf(sigma);
+      for (const CoefficientBlock& block : surface) {
+        models.surface[transport::SizeClass(block.side)].Encode(coder, block);
+      }
+      models.view.Encode(coder, view);
+    }
+    std::string bytes;
+    Append(bytes, step);
+    bytes += coder.Finish();
+    EncodedPart part = MakePart(transport::Part::kTerm, std::move(bytes));
+    part.worth = energy / static_cast<double>(part.header.bytes);
+    return part;
+  }
+
+  const LightFieldModel& model_;
+  MapSource source_;
+  std::vector<Ring> rings_;
+};
+
+}  // namespace
+
+std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
+                            TransportSizes* sizes) {
+  TransportOptions checked = options;
+  ValidateOptions(AnyOptions(checked));
+  ValidateModel(model, "the model");
+  std::vector<int> edge_samples;
+  for (const PatchPlacement& place : model.placements) edge_samples.push_back(place.edge_samples);
+  const MapTransform transform = transport::MakeTransform(edge_samples, model.grid);
+  Geometry geometry = EncodeGeometry(model, edge_samples);
+  EncodedPart mean = EncodeMean(model, edge_samples, transform, options.psnr_db);
+
+  const TermWriter writer(model, transform, transport::MakeRings(model.mesh, edge_samples));
+  const auto step = static_cast<float>(writer.StepFor(options.psnr_db));
+  const auto vertices = static_cast<int64_t>(model.mesh.vertices.size());
+  const int64_t chunks = (vertices + transport::kChunk - 1) / transport::kChunk;
+  std::vector<std::vector<EncodedPart>> by_chunk(chunks);
+  ParallelFor(0, chunks, [&](int64_t chunk) {
+    by_chunk[chunk] = writer.Chunk(static_cast<int>(chunk * transport::kChunk), step);
+  });
+  std::vector<EncodedPart> parts;
+  for (auto& chunk : by_chunk) {
+    std::move(chunk.begin(), chunk.end(), std::back_inserter(parts));
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const EncodedPart& a, const EncodedPart& b) { return a.worth > b.worth; });
+  parts.insert(parts.begin(), {std::move(geometry.part), std::move(mean)});
+
+  std::string bytes;
+  transport::FileHeader header;
+  header.parts = static_cast<uint32_t>(parts.size());
+  Append(bytes, header);
+  if (sizes != nullptr) {
+    *sizes = {0, static_cast<int64_t>(parts[0].bytes.size()),
+              static_cast<int64_t>(parts[1].bytes.size()),
+              std::vector<int64_t>(static_cast<size_t>(model.terms), 0)};
+  }
+  for (size_t i = 0; i < parts.size(); ++i) {
+    Append(bytes, parts[i].header);
+    bytes += parts[i].bytes;
+    if (sizes != nullptr && i >= 2) {
+      sizes->terms[parts[i].header.term] += static_cast<int64_t>(parts[i].bytes.size());
+    }
+  }
+  if (sizes != nullptr) sizes->total = static_cast<int64_t>(bytes.size());
+  return bytes;
+}
+
+}  // namespace lfm
