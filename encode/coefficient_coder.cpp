@@ -117,6 +117,7 @@ void CoefficientModels::Code(Coder& coder, CoefficientBlock& block) {
     NumberModels& numbers = diagonals_[std::min(channel, 2)];
     const int diagonals =
         std::min(most, static_cast<int>(numbers.Code(coder, static_cast<uint32_t>(wanted))));
+    if constexpr (Coder::kReads) block.diagonals[channel] = diagonals;
     for (int d = 0; d < diagonals; ++d) {
       const int first = std::max(0, d - block.side + 1), last = std::min(d, block.side - 1);
       for (int row = block.triangular ? (d + 1) / 2 : first; row <= last; ++row) {

@@ -31,6 +31,8 @@ struct CoefficientBlock {
   int side = 0, channels = 1;
   bool triangular = false;
   std::vector<int> values;
+  /// Of each channel, how many diagonals hold anything; Decode sets it.
+  std::array<int, 3> diagonals{};
 
   int& At(int channel, int row, int column) {
     return values[(channel * side + row) * side + column];
@@ -45,7 +47,7 @@ struct CoefficientBlock {
 /// magnitudes of five neighbours of lower frequency, on the diagonal, and on the first channel's
 /// coefficient at the same place.
 ///
-/// Magnitudes are below 2^24. Decoding damaged bytes gives wrong coefficients in those bounds.
+/// Magnitudes are at most 2^24. Decoding damaged bytes gives wrong coefficients in those bounds.
 class CoefficientModels {
  public:
   void Encode(RangeEncoder& coder, const CoefficientBlock& block);

@@ -159,6 +159,9 @@ void CheckOptions(const EncodeOptions& options) {
   if ((options.tolerance > 0) + (options.target_db > 0) + (options.target_mb > 0) > 1) {
     throw Error("give one of --tolerance, --target-db and --target-mb");
   }
+  if (options.transport_db > 0 && options.transport_db < 20) {
+    throw Error("--transport-db must be 0 or lie in [20, 90]");
+  }
 }
 
 void CheckSource(const LightFieldSource& source) {
@@ -202,6 +205,10 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   });
   result.model = FillGutters(std::move(result.model));
   Summarize(factors, source, result);
+  if (options.transport_db > 0) {
+    result.transport =
+        EncodeTransport(result.model, {options.transport_db}, &result.transport_sizes);
+  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "encode/light_field_source.h"
 #include "encode/model.h"
 #include "encode/pca_solver.h"
+#include "encode/transport_form.h"
 #include "resample/light_field.h"
 
 namespace lfm {
@@ -16,6 +17,7 @@ struct EncodeOptions {
   int max_terms = 8;
   PcaSolver solver = PcaSolver::kFactored;
   double guessed_weight = 0.2;
+  double transport_db = 52;  ///< 0 = no transport form
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
@@ -50,6 +52,11 @@ struct EncodeOptions {
               "1 for those inside.",
               "", 0.01, 1},
              guessed_weight);
+    v.Number({"transport-db",
+              "Accuracy of the transport form, model.lfz, against the model: bytes against PSNR "
+              "(20 to 90); 0 = do not write it.",
+              "dB", 0, 90},
+             transport_db);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
   }
@@ -73,13 +80,16 @@ struct EncodeResult {
   double matrix_psnr_mean_only_db = 0;       ///< the same for the mean view alone
   std::vector<double> singular_value_share;  ///< mean share of energy, a term of the model each
   int unseen_triangles = 0;                  ///< filled from their neighbours
+  std::string transport;                     ///< the model in transport form; may be empty
+  TransportSizes transport_sizes;            ///< where its bytes go
   int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
 };
 
 /// Factorises every vertex light field (PCA of the hat-weighted blocks, in factored form),
 /// quantises in closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
-/// the maps. Two runs give the same bytes, whatever the number of threads. Memory: the model, the
-/// 8-bit maps of all terms that may be chosen, and one vertex ring a thread.
+/// the maps, in memory and in transport form. Two runs give the same bytes, whatever the number of
+/// threads. Memory: the model, the 8-bit maps of all terms that may be chosen, and one vertex ring
+/// a thread.
 ///
 /// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
 /// A tolerance or PSNR that max_terms do not reach gives all of them, and a note. Triangles that

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "core/atomic_file.h"
 #include "core/json_reader.h"
 #include "encode/glb.h"
 
@@ -14,10 +15,20 @@ constexpr int kMaxCount = std::numeric_limits<int>::max();
 }  // namespace
 
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
+  const std::filesystem::path transport_file = folder / "model.lfz";
+  if (result.transport.empty()) {
+    std::filesystem::remove(transport_file);
+  } else {
+    WriteFileAtomically(transport_file, result.transport);
+  }
+  const TransportSizes& sizes = result.transport_sizes;
   const nlohmann::json figures = {{"terms_mean", result.terms_mean},
                                   {"terms_max", result.terms_max},
                                   {"vertices_by_terms", result.vertices_by_terms},
                                   {"model_bytes", WriteGlb(result.model, folder / "model.glb")},
+                                  {"transport_bytes", sizes.total},
+                                  {"transport_geometry_bytes", sizes.geometry},
+                                  {"transport_mean_bytes", sizes.mean},
                                   {"maps_bytes", result.maps_bytes},
                                   {"compression_ratio", result.compression_ratio},
                                   {"matrix_psnr_db", result.matrix_psnr_db},
@@ -41,6 +52,11 @@ EncodeResult LoadEncode(const std::filesystem::path& folder) {
     result.vertices_by_terms.push_back(static_cast<int>(count));
   }
   result.model_bytes = static_cast<int64_t>(reader.Number("model_bytes"));
+  TransportSizes& sizes = result.transport_sizes;
+  sizes.total = static_cast<int64_t>(reader.Number("transport_bytes"));
+  sizes.geometry = static_cast<int64_t>(reader.Number("transport_geometry_bytes"));
+  sizes.mean = static_cast<int64_t>(reader.Number("transport_mean_bytes"));
+  if (sizes.total > 0) result.transport = ReadFile(folder / "model.lfz");
   result.maps_bytes = static_cast<int64_t>(reader.Number("maps_bytes"));
   result.compression_ratio = reader.Number("compression_ratio");
   result.matrix_psnr_db = reader.Number("matrix_psnr_db");

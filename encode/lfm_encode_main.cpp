@@ -20,14 +20,20 @@ struct OutputOptions {
 };
 
 std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
-  char line[240];
+  char line[320];
   std::snprintf(line, sizeof line,
                 "%.2f terms a vertex, %.1f : 1 (maps of %.1f MB), %.1f dB against the resampled "
                 "light field (mean view alone: %.1f); model.glb %.1f MB",
                 result.terms_mean, result.compression_ratio,
                 static_cast<double>(result.maps_bytes) * 1e-6, result.matrix_psnr_db,
                 result.matrix_psnr_mean_only_db, static_cast<double>(model_bytes) * 1e-6);
-  return line;
+  std::string text = line;
+  if (!result.transport.empty()) {
+    std::snprintf(line, sizeof line, ", model.lfz %.2f MB",
+                  static_cast<double>(result.transport_sizes.total) * 1e-6);
+    text += line;
+  }
+  return text;
 }
 
 }  // namespace
@@ -36,7 +42,7 @@ int main(int argc, char** argv) {
   lfm::CommandLine command(
       "lfm-encode",
       "Factorises and quantises the light field: WORK/resample/light_field.lfs "
-      "goes in, WORK/encode/model.glb comes out.",
+      "goes in; WORK/encode/model.glb, and the same for transport, model.lfz, come out.",
       "lfm-encode demo/work --terms 3");
   std::string work_folder;
   command.Positional("WORK", "workspace folder", work_folder);

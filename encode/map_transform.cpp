@@ -45,9 +45,9 @@ Eigen::MatrixXf MapTransform::ToSquare(const Eigen::MatrixXf& samples) const {
   return basis * samples * basis.transpose();
 }
 
-Eigen::MatrixXf MapTransform::FromSquare(const Eigen::MatrixXf& coefficients) const {
-  const Eigen::MatrixXf& basis = Basis(static_cast<int>(coefficients.rows()));
-  return basis.transpose() * coefficients * basis;
+Eigen::MatrixXf MapTransform::FromSquare(int side, const Eigen::MatrixXf& low) const {
+  const auto basis = Basis(side).topRows(low.rows());
+  return basis.transpose() * (low * basis).eval();
 }
 
 Eigen::MatrixXf MapTransform::ToTriangle(int n, std::span<const float> samples) const {
@@ -65,16 +65,15 @@ Eigen::MatrixXf MapTransform::ToTriangle(int n, std::span<const float> samples) 
   return coefficients;
 }
 
-void MapTransform::FromTriangle(int n, const Eigen::MatrixXf& coefficients,
-                                std::span<float> samples) const {
-  Eigen::MatrixXf full = coefficients;
+void MapTransform::FromTriangle(int n, const Eigen::MatrixXf& low, std::span<float> samples) const {
+  Eigen::MatrixXf full = low;
   full.diagonal() /= kHalfPower;
-  for (int row = 0; row < n; ++row) {
+  for (int row = 0; row < static_cast<int>(low.rows()); ++row) {
     for (int column = 0; column < row; ++column) {
       full(column, row) = (row + column) % 2 == 0 ? full(row, column) : -full(row, column);
     }
   }
-  const Eigen::MatrixXf square = FromSquare(full);
+  const Eigen::MatrixXf square = FromSquare(n, full);
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i + j < n; ++i) samples[PatchSampleIndex(n, i, j)] = square(j, i);
   }

@@ -21,11 +21,12 @@ class MapTransform {
 
   /// Row-major n x n to n x n.
   Eigen::MatrixXf ToSquare(const Eigen::MatrixXf& samples) const;
-  Eigen::MatrixXf FromSquare(const Eigen::MatrixXf& coefficients) const;
+  /// `low` holds the coefficients of the lowest rows and columns, the others being zero.
+  Eigen::MatrixXf FromSquare(int side, const Eigen::MatrixXf& low) const;
   /// Samples in the order of PatchSampleIndex to an n x n matrix with row >= column filled, zero
   /// above.
   Eigen::MatrixXf ToTriangle(int n, std::span<const float> samples) const;
-  void FromTriangle(int n, const Eigen::MatrixXf& coefficients, std::span<float> samples) const;
+  void FromTriangle(int n, const Eigen::MatrixXf& low, std::span<float> samples) const;
 
  private:
   const Eigen::MatrixXf& Basis(int side) const;

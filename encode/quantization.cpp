@@ -40,7 +40,7 @@ MapRange ViewRange(float low, float high) {
 uint8_t QuantizeValue(const MapRange& range, float value) {
   if (!(range.scale > 0)) return 0;
   const double code = (static_cast<double>(value) - range.bias) * 255 / range.scale;
-  return code > 0 ? static_cast<uint8_t>(std::lround(std::min(code, 255.0))) : 0;
+  return code > 0 ? static_cast<uint8_t>(std::min(code, 255.0) + 0.5) : 0;
 }
 
 }  // namespace lfm

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/options.h"
 #include "encode/model.h"
 
 namespace lfm {
@@ -17,14 +16,8 @@ namespace lfm {
 /// loaded.
 
 struct TransportOptions {
-  double psnr_db = 48;
-  void Declare(OptionVisitor& v) {
-    v.Number({"transport-db",
-              "PSNR of the light field that the transport form gives back, against that of the "
-              "model that it was made of: bytes against accuracy.",
-              "dB", 20, 80},
-             psnr_db);
-  }
+  /// PSNR of the light field that comes back, against that of the model; 20 to 90.
+  double psnr_db = 52;
 };
 
 /// Where the bytes go.
@@ -39,7 +32,8 @@ struct TransportSizes {
 /// The step follows from `psnr_db`, judged over all vertices' matrices as in
 /// EncodeResult::matrix_psnr_db; the mean view is coded 3 dB finer. What rounds to zero goes.
 ///
-/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent.
+/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent,
+/// or a PSNR out of range.
 std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
                             TransportSizes* sizes = nullptr);
 
@@ -51,6 +45,7 @@ LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
                                 int* parts_missing = nullptr);
 
 /// Reads a model in either form: a .glb, or the transport form, told apart by their first bytes.
-LightFieldModel ReadModel(const std::filesystem::path& file);
+/// Throws Error as ReadGlb and DecodeTransport do.
+LightFieldModel ReadModel(const std::filesystem::path& file, int* parts_missing = nullptr);
 
 }  // namespace lfm

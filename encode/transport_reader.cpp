@@ -181,10 +181,12 @@ float TakeStep(Stream& stream) {
   return step;
 }
 
+// The low frequencies that hold anything.
 Eigen::MatrixXf Dequantized(const CoefficientBlock& block, int channel, float step) {
-  Eigen::MatrixXf coefficients(block.side, block.side);
-  for (int row = 0; row < block.side; ++row) {
-    for (int column = 0; column < block.side; ++column) {
+  const int used = std::min(block.diagonals[channel], block.side);
+  Eigen::MatrixXf coefficients(used, used);
+  for (int row = 0; row < used; ++row) {
+    for (int column = 0; column < used; ++column) {
       coefficients(row, column) = transport::Dequantize(block.At(channel, row, column), step);
     }
   }
@@ -262,11 +264,15 @@ class ChunkReader {
     std::vector<float> surface(ring.samples);
     std::vector<PatchValues> patches;
     float* patch = surface.data();
-    for (const int n : ring.edge_samples) {
+    for (size_t i = 0; i < ring.triangles.size(); ++i) {
+      const int n = ring.edge_samples[i];
       CoefficientBlock block = EmptyBlock(n, 1, true);
       models.surface[transport::SizeClass(n)].Decode(coder, block);
       const std::span<float> values(patch, static_cast<size_t>(PatchSampleCount(n)));
       transform_.FromTriangle(n, Dequantized(block, 0, step * scale), values);
+      // Maps end at the far edges of a ring, where the triangles beyond do not know the vertex.
+      const int far_edge = (ring.corners[i] + 1) % 3;
+      for (int along = 0; along < n; ++along) values[EdgeSampleIndex(n, far_edge, along)] = 0;
       patches.push_back({patch, true});
       patch += values.size();
     }
@@ -275,7 +281,8 @@ class ChunkReader {
     models.view.Decode(coder, block);
     Eigen::MatrixXf opponent(frame_.grid * frame_.grid, 3);
     for (int c = 0; c < 3; ++c) {
-      const Eigen::MatrixXf plane = transform_.FromSquare(Dequantized(block, c, step)).transpose();
+      const Eigen::MatrixXf plane =
+          transform_.FromSquare(frame_.grid, Dequantized(block, c, step)).transpose();
       opponent.col(c) = plane.reshaped();
     }
     Eigen::MatrixXf view = opponent * OpponentColors().transpose();
@@ -348,10 +355,11 @@ LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
   return FillGutters(std::move(model));
 }
 
-LightFieldModel ReadModel(const std::filesystem::path& file) {
+LightFieldModel ReadModel(const std::filesystem::path& file, int* parts_missing) {
   const std::string bytes = ReadFile(file);
   const std::string_view magic(transport::kMagic.data(), transport::kMagic.size());
-  if (bytes.starts_with(magic)) return DecodeTransport(bytes, file.string());
+  if (bytes.starts_with(magic)) return DecodeTransport(bytes, file.string(), parts_missing);
+  if (parts_missing != nullptr) *parts_missing = 0;
   return ReadGlbBytes(bytes, file.string());
 }
 

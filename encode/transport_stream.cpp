@@ -16,6 +16,8 @@ std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& ed
       const int triangle = rings.triangles[e];
       ring.triangles.push_back(triangle);
       ring.edge_samples.push_back(edge_samples[triangle]);
+      const Eigen::Vector3i& own = mesh.triangles[triangle];
+      ring.corners.push_back(own[0] == v ? 0 : own[1] == v ? 1 : 2);
       ring.samples += PatchSampleCount(edge_samples[triangle]);
       corners.push_back(mesh.triangles[triangle]);
     }

@@ -72,6 +72,7 @@ inline double SigmaOf(int exponent) { return std::exp2(exponent / kSigmasAnOctav
 /// The ring of a vertex as its maps know it.
 struct Ring {
   std::vector<int> triangles, edge_samples;
+  std::vector<int> corners;  // which corner of each triangle the vertex is
   int samples = 0;
   SharedSamples shared;
 };

@@ -410,8 +410,9 @@ class TermWriter {
 
 std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
                             TransportSizes* sizes) {
-  TransportOptions checked = options;
-  ValidateOptions(AnyOptions(checked));
+  if (!(options.psnr_db >= 20 && options.psnr_db <= 90)) {
+    throw Error("--transport-db must lie in [20, 90]");
+  }
   ValidateModel(model, "the model");
   std::vector<int> edge_samples;
   for (const PatchPlacement& place : model.placements) edge_samples.push_back(place.edge_samples);

@@ -9,6 +9,7 @@
 #include "core/ply.h"
 #include "core/ray_scene.h"
 #include "encode/glb.h"
+#include "encode/transport_form.h"
 #include "mesh/mesh_files.h"
 #include "pipeline/heldout.h"
 #include "pipeline/truth.h"
@@ -129,10 +130,11 @@ json Figures(const Capture& capture, const CalibResult& calib, HeldoutScores sco
 
 }  // namespace
 
-json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progress& progress) {
+json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progress& progress,
+                       const fs::path& model) {
   const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
-  const ReferenceRenderer renderer(ReadGlb(workspace.ModelFile()));
+  const ReferenceRenderer renderer(ReadModel(model.empty() ? workspace.ModelFile() : model));
   const std::vector<HeldoutScores> scores = ScoreModel(
       renderer, calib, {{PhotographsOf(capture)}, SilhouettesOf(surface, calib)}, progress);
   return Figures(capture, calib, scores.front(), Foreground::kSurfaceSilhouette, progress);

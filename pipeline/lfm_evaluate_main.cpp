@@ -12,7 +12,7 @@ namespace {
 
 struct EvaluateOptions {
   bool ground_truth = false, geometry = false;
-  std::string images;
+  std::string images, model;
   void Declare(lfm::OptionVisitor& v) {
     v.Flag({"ground-truth", "Compare with CAPTURE/ground_truth too (synthetic captures)."},
            ground_truth);
@@ -20,6 +20,8 @@ struct EvaluateOptions {
             "Compare only cameras, points and surfaces with CAPTURE/ground_truth, as far as the "
             "stages have run."},
            geometry);
+    v.Text({"model", "Score this model, a .glb or .lfz file, instead of WORK/encode/model.glb."},
+           model);
     v.Text({"images",
             "Score this folder's pictures ID.png of the test photographs' cameras "
             "instead of the model."},
@@ -54,6 +56,10 @@ int main(int argc, char** argv) {
     if (options.geometry && (options.ground_truth || !options.images.empty())) {
       throw lfm::Error("--geometry compares geometry alone; leave out --ground-truth and --images");
     }
+    if (!options.model.empty() &&
+        (options.geometry || options.ground_truth || !options.images.empty())) {
+      throw lfm::Error("--model scores a model alone; leave out the other choices");
+    }
     if (options.geometry) {
       PrintFigures("truth", lfm::EvaluateGeometry(capture, workspace, progress));
       return;
@@ -67,7 +73,7 @@ int main(int argc, char** argv) {
       return;
     }
     if (!options.ground_truth) {
-      PrintFigures("evaluate", lfm::EvaluateWorkspace(capture, workspace, progress));
+      PrintFigures("evaluate", lfm::EvaluateWorkspace(capture, workspace, progress, options.model));
       return;
     }
     const nlohmann::json inputs = lfm::TruthInputs(capture, workspace);

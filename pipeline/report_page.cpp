@@ -172,6 +172,7 @@ std::string KeyFigures(const json& report) {
   add("evaluate", "heldout_psnr_mean_only_db", "mean view alone", " dB");
   add("encode", "compression_ratio", "compression", " : 1");
   add("encode", "model_bytes", "model file", " bytes");
+  add("encode", "transport_bytes", "for transport", " bytes");
   add("time", "total_s", "whole pipeline", " s");
   add("memory", "peak_mib", "peak memory", " MiB");
   return html + "</div>";

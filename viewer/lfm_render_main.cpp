@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/image.h"
 #include "core/progress.h"
-#include "encode/glb.h"
+#include "encode/transport_form.h"
 #include "viewer/camera_file.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/reference_renderer.h"
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
                            "Renders a model without a display: one picture, a turntable, or the "
                            "view of a given camera.",
                            "lfm-render demo/work/encode/model.glb bust.png --azimuth 30");
-  command.Positional("MODEL", "The model, a .glb file.", model_file);
+  command.Positional("MODEL", "The model, a .glb or .lfz file.", model_file);
   command.Positional("OUT", "The picture to write (.png); with --turntable, a folder.", out);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Output");
@@ -109,7 +109,12 @@ int main(int argc, char** argv) {
     render.evaluation = lfm::MakeEvaluationOptions(view);
     render.samples_per_side = options.supersample;
     render.background = lfm::ParseColor(view.background);
-    const lfm::ReferenceRenderer renderer(lfm::ReadGlb(model_file));
+    int missing = 0;
+    const lfm::ReferenceRenderer renderer(lfm::ReadModel(model_file, &missing));
+    if (missing > 0) {
+      progress.Note(model_file + " is cut off: " + std::to_string(missing) +
+                    " of its parts are missing, finer terms of some places");
+    }
     const std::vector<lfm::PosedCamera> cameras =
         ChooseCameras(renderer.model().mesh, view, options);
     const auto render_one = [&](const lfm::PosedCamera& camera, const std::filesystem::path& file,

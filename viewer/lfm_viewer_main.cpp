@@ -2,7 +2,7 @@
 #include <string>
 
 #include "core/command_line.h"
-#include "encode/glb.h"
+#include "encode/transport_form.h"
 #include "viewer/view_options.h"
 #include "viewer/viewer_app.h"
 
@@ -14,9 +14,10 @@ int main(int argc, char** argv) {
                            "Shows a model in a window: walk round it, change the number of terms, "
                            "save pictures.",
                            "lfm-viewer demo/work/encode/model.glb --elevation 30");
-  command.Positional("MODEL", "The model, a .glb file.", model_file);
+  command.Positional("MODEL", "The model, a .glb or .lfz file.", model_file);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Window");
-  return command.Run(
-      argc, argv, [&](lfm::Progress&) { lfm::RunViewer(lfm::ReadGlb(model_file), view, options); });
+  return command.Run(argc, argv, [&](lfm::Progress&) {
+    lfm::RunViewer(lfm::ReadModel(model_file), view, options);
+  });
 }
