@@ -187,7 +187,7 @@ Eigen::MatrixXf Dequantized(const CoefficientBlock& block, int channel, float st
   Eigen::MatrixXf coefficients(used, used);
   for (int row = 0; row < used; ++row) {
     for (int column = 0; column < used; ++column) {
-      coefficients(row, column) = transport::Dequantize(block.At(channel, row, column), step);
+      coefficients(row, column) = step * static_cast<float>(block.At(channel, row, column));
     }
   }
   return coefficients;
@@ -217,7 +217,7 @@ std::vector<std::vector<float>> DecodeMean(Stream stream, const Frame& frame,
       transform.FromTriangle(n, Dequantized(block, c, step),
                              std::span(opponent.col(c).data(), opponent.rows()));
       offset[c] =
-          transport::Dequantize(block.At(c, 0, 0), step) * std::sqrt(2.F) / static_cast<float>(n);
+          step * static_cast<float>(block.At(c, 0, 0)) * std::sqrt(2.F) / static_cast<float>(n);
     }
     const Eigen::Vector3f predicted = transport::PredictMean(neighbors[t], t, colors);
     colors[t] = predicted + OpponentColors() * offset;

@@ -22,8 +22,6 @@ inline constexpr int kChunk = 1024;             // vertices whose maps of one te
 inline constexpr double kFrameStep = 1e-3;      // rad
 inline constexpr double kSigmasAnOctave = 8;    // of the scale of a term
 inline constexpr int kMostSigma = 240;          // in those steps: 2^30
-inline constexpr float kShrink = 0.06F;         // reconstruction lies nearer to zero
-inline constexpr float kRoundUp = 0.35F;        // from k + 1 - this on a magnitude becomes k + 1
 inline constexpr int kMostMagnitude = 1 << 20;  // of a quantised coefficient
 inline constexpr int kSizeClasses = 8;
 
@@ -59,12 +57,6 @@ inline int64_t Unzigzag(uint32_t value) {
 inline int SizeClass(int edge_samples) {
   const auto width = static_cast<int>(std::bit_width(static_cast<unsigned>(edge_samples - 1)));
   return std::min(width, kSizeClasses - 1);
-}
-
-inline float Dequantize(int value, float step) {
-  if (value == 0) return 0;
-  const float magnitude = static_cast<float>(std::abs(value)) - kShrink;
-  return step * (value < 0 ? -magnitude : magnitude);
 }
 
 inline double SigmaOf(int exponent) { return std::exp2(exponent / kSigmasAnOctave); }

@@ -20,9 +20,8 @@ namespace {
 using transport::Ring;
 
 int QuantizeCoefficient(float value, float step) {
-  const float magnitude = std::min(std::abs(value) / step + transport::kRoundUp,
-                                   static_cast<float>(transport::kMostMagnitude));
-  return value < 0 ? -static_cast<int>(magnitude) : static_cast<int>(magnitude);
+  constexpr auto kMost = static_cast<float>(transport::kMostMagnitude);
+  return static_cast<int>(std::lround(std::clamp(value / step, -kMost, kMost)));
 }
 
 void QuantizeInto(const Eigen::MatrixXf& coefficients, float step, int channel,
@@ -156,11 +155,10 @@ class Magnitudes {
   // Squared error when quantised with this step.
   double Error(double step) const {
     double error = 0;
-    const double zero_below = (1 - transport::kRoundUp) * step;
     for (int bin = 0; bin < kBins; ++bin) {
       const double magnitude = std::exp2((bin - kZero) / kBinsAnOctave);
       error += static_cast<double>(counts_[bin]) *
-               (magnitude < zero_below ? magnitude * magnitude : step * step / 12);
+               (magnitude < step / 2 ? magnitude * magnitude : step * step / 12);
     }
     return error;
   }
@@ -267,7 +265,7 @@ Geometry EncodeGeometry(const LightFieldModel& model, const std::vector<int>& ed
 EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edge_samples,
                        const MapTransform& transform, double psnr_db) {
   // Rounding to multiples of a step errs by its twelfth, squared.
-  const auto step = static_cast<float>(std::sqrt(12 * std::pow(10.0, -(psnr_db + 3) / 10)));
+  const auto step = static_cast<float>(std::sqrt(12 * std::pow(10.0, -psnr_db / 10)));
   const MapSource source(model, transform);
   const std::vector<Eigen::Vector3i> neighbors = ComputeTriangleNeighbors(model.mesh);
   std::vector<Eigen::Vector3f> colors(edge_samples.size());
@@ -287,7 +285,7 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
       QuantizeInto(transform.ToTriangle(n, std::span(channel.data(), channel.size())), step, c,
                    block);
       offset[c] =
-          transport::Dequantize(block.At(c, 0, 0), step) * std::sqrt(2.F) / static_cast<float>(n);
+          step * static_cast<float>(block.At(c, 0, 0)) * std::sqrt(2.F) / static_cast<float>(n);
     }
     colors[t] = predicted + OpponentColors() * offset;
     models[transport::SizeClass(n)].Encode(coder, block);
