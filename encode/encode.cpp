@@ -12,6 +12,7 @@
 #include "encode/gutters.h"
 #include "encode/mean_view.h"
 #include "encode/model_layout.h"
+#include "encode/nonnegative_terms.h"
 #include "encode/term_selection.h"
 #include "encode/vertex_factorization.h"
 
@@ -50,10 +51,17 @@ VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_v
     triangles.push_back(source.mesh.triangles[block.triangle]);
     edge_samples.push_back(block.edge_samples);
   }
-  return FactorizeVertex(f, FindSharedSamples(triangles, edge_samples),
-                         {.terms = HasTarget(options) ? options.max_terms : options.terms,
-                          .solver = options.solver,
-                          .guessed_weight = options.guessed_weight});
+  const SharedSamples shared = FindSharedSamples(triangles, edge_samples);
+  const FactorizationOptions wanted = {
+      .terms = HasTarget(options) ? options.max_terms : options.terms,
+      .solver = options.solver,
+      .guessed_weight = options.guessed_weight};
+  if (options.factorization == Factorization::kPca) return FactorizeVertex(f, shared, wanted);
+  const double mean_only = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
+  const VertexOperator whole = BuildVertexOperator(source, vertex, ring, [&](int triangle) {
+    return PatchMean(mean_view.codes[triangle].size(), 0.f);
+  });
+  return FactorizeNonnegative(whole, shared, mean_only, wanted);
 }
 
 TermCosts Costs(const LightFieldSource& source, std::span<const int> edge_samples,
@@ -159,6 +167,14 @@ void CheckOptions(const EncodeOptions& options) {
   if ((options.tolerance > 0) + (options.target_db > 0) + (options.target_mb > 0) > 1) {
     throw Error("give one of --tolerance, --target-db and --target-mb");
   }
+  if (options.factorization == Factorization::kNmf && HasTarget(options)) {
+    throw Error(
+        "nonnegative terms do not add up one by one: with --factorization nmf give --terms");
+  }
+  if (options.factorization == Factorization::kNmf && options.solver == PcaSolver::kDense) {
+    throw Error(
+        "--solver dense finds singular values: with --factorization nmf take factored or paper");
+  }
   if (options.transport_db > 0 && options.transport_db < 20) {
     throw Error("--transport-db must be 0 or lie in [20, 90]");
   }
@@ -197,6 +213,7 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   result.model = LayOutModel(source, edge_samples,
                              ChooseTerms(source, edge_samples, factors, options, progress),
                              options.max_texture_size);
+  result.model.mean_in_terms = options.factorization == Factorization::kNmf;
   for (size_t t = 0; t < edge_samples.size(); ++t) {
     WriteMean(mean_view.codes[t], static_cast<int>(t), result.model);
   }

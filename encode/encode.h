@@ -11,7 +11,14 @@
 
 namespace lfm {
 
+/// How vertex light fields are factorised (Chen 2002, Section 4.1 and Appendix).
+enum class Factorization {
+  kPca,  ///< the mean view, and terms of either sign: the least error
+  kNmf,  ///< nonnegative maps that hold the mean view too, as graphics cards of 2002 drew faster
+};
+
 struct EncodeOptions {
+  Factorization factorization = Factorization::kPca;
   int terms = 3;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
@@ -20,6 +27,11 @@ struct EncodeOptions {
   double transport_db = 52;  ///< 0 = no transport form
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
+    v.Enumeration(
+        {"factorization",
+         "Terms of either sign beside the mean view (pca: less error, and the first terms "
+         "alone are a model), or nonnegative ones that hold it (nmf)."},
+        {"pca", "nmf"}, factorization);
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
     v.Number(
         {"tolerance",

@@ -184,6 +184,7 @@ void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbB
   json extension = ExtensionGeometry(model, builder);
   extension["version"] = glb::kVersion;
   extension["terms"] = model.terms;
+  if (model.mean_in_terms) extension["meanInTerms"] = true;
   extension["grid"] = model.grid;
   extension["directionMap"] = glb::kDirectionMapNames[static_cast<int>(model.direction_map)];
   extension["meanImages"] = images.mean;

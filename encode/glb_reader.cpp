@@ -150,6 +150,10 @@ std::vector<MapRange> ReadRanges(const Document& doc, const json& extension, con
 void ReadTerms(const Document& doc, const json& extension, LightFieldModel& model) {
   const auto vertices = static_cast<int64_t>(model.mesh.vertices.size());
   model.terms = static_cast<int>(Integer(doc, extension, "terms", 0, glb::kMaxTerms));
+  if (extension.contains("meanInTerms")) {
+    doc.Require(extension["meanInTerms"].is_boolean(), "\"meanInTerms\" is not true or false");
+    model.mean_in_terms = extension["meanInTerms"].get<bool>();
+  }
   const auto terms = Accessor<uint8_t>(doc, extension, "vertexTerms", GltfComponent::kUint8,
                                        GltfShape::kScalar, vertices);
   for (const uint8_t count : terms) {

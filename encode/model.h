@@ -35,6 +35,7 @@ struct PatchPlacement {
 ///   colour(t, s, d) = mean_t(s) + sum over corners j, terms k of
 ///                     g[t, j, k](s) * h[vertex(t, j), k](direction of d in the vertex frame)
 ///
+/// (with mean_in_terms the mean is weighted by the barycentric weights of corners without terms),
 /// with g one number and h three (RGB) a sample. All maps are 8-bit codes with a MapRange.
 struct LightFieldModel {
   TriangleMesh mesh;                           ///< mm, world frame; V vertices, T triangles
@@ -42,6 +43,8 @@ struct LightFieldModel {
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   int grid = 32;
   int terms = 0;  ///< K, the most terms that any vertex has
+  /// The terms hold the mean view too (NMF): it is shown by vertices without terms alone.
+  bool mean_in_terms = false;
 
   std::vector<PatchPlacement> placements;  ///< T; one layout for mean and surface pages
   std::vector<Image> mean_pages;           ///< RGB 8 bit sRGB

@@ -60,6 +60,19 @@ Tap ViewTap(const LightFieldModel& model, const LightFieldModel::TilePosition& t
   return MakeTap(texel, 1, page_width, static_cast<float>(x - i), static_cast<float>(y - j));
 }
 
+// How much of the mean view is shown beside the terms.
+float MeanShare(const LightFieldModel& model, int triangle, const Eigen::Vector3d& weights,
+                const EvaluationOptions& options) {
+  if (!model.mean_in_terms || options.terms <= 0) return 1;
+  const double w1 = std::clamp(weights[1], 0.0, 1.0), w2 = std::clamp(weights[2], 0.0, 1 - w1);
+  const Eigen::Vector3d clamped(1 - w1 - w2, w1, w2);
+  double share = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (model.vertex_terms[model.mesh.triangles[triangle][c]] == 0) share += clamped[c];
+  }
+  return static_cast<float>(share);
+}
+
 }  // namespace
 
 Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
@@ -68,7 +81,8 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
   const PatchPlacement& placement = model.placements[triangle];
   const Image& mean_page = model.mean_pages[placement.page];
   const Tap surface = SurfaceTap(placement, mean_page.width(), weights);
-  Eigen::Vector3f color = Sample(mean_page, surface) / 255;
+  Eigen::Vector3f color =
+      Sample(mean_page, surface) * (MeanShare(model, triangle, weights, options) / 255);
 
   const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
   const int wanted = std::min(options.terms, model.TriangleTerms(triangle));

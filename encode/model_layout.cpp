@@ -29,6 +29,23 @@ void WritePatch(Image& page, const PatchPlacement& placement, const uint8_t* cod
   }
 }
 
+// The other way.
+void ReadPatch(const Image& page, const PatchPlacement& placement, int first, int count,
+               uint8_t* codes) {
+  const int n = placement.edge_samples;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) {
+      const Eigen::Vector2i texel = TexelOfSample(placement, i, j);
+      std::copy_n(&page.At<uint8_t>(texel.x(), texel.y(), first), count,
+                  codes + size_t{1} * PatchSampleIndex(n, i, j) * count);
+    }
+  }
+}
+
+int CornerOf(const Eigen::Vector3i& corners, int vertex) {
+  return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+}
+
 void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int term,
                LightFieldModel& model) {
   const size_t range = term * model.vertex_frames.size() + vertex;
@@ -37,9 +54,8 @@ void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int 
   const uint8_t* codes = maps.surface_codes.data();
   for (const int triangle : ring) {
     const PatchPlacement& placement = model.placements[triangle];
-    const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
-    const int corner = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
-    WritePatch(model.surface_pages[term][placement.page], placement, codes, corner, 1);
+    WritePatch(model.surface_pages[term][placement.page], placement, codes,
+               CornerOf(model.mesh.triangles[triangle], vertex), 1);
     codes += PatchSampleCount(placement.edge_samples);
   }
   const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
@@ -95,6 +111,34 @@ void WriteVertexTerms(std::span<const int> ring, const std::vector<TermMaps>& te
   for (int k = 0; k < model.vertex_terms[vertex]; ++k) {
     WriteTerm(ring, terms[k], vertex, k, model);
   }
+}
+
+std::vector<uint8_t> ReadMean(const LightFieldModel& model, int triangle) {
+  const PatchPlacement& placement = model.placements[triangle];
+  std::vector<uint8_t> codes(size_t{3} * PatchSampleCount(placement.edge_samples));
+  ReadPatch(model.mean_pages[placement.page], placement, 0, 3, codes.data());
+  return codes;
+}
+
+TermMaps ReadVertexTerm(const LightFieldModel& model, std::span<const int> ring, int vertex,
+                        int term) {
+  const size_t range = term * model.vertex_frames.size() + vertex;
+  TermMaps maps{model.surface_ranges[range], model.view_ranges[range], {}, {}};
+  for (const int triangle : ring) {
+    const PatchPlacement& placement = model.placements[triangle];
+    const size_t first = maps.surface_codes.size();
+    maps.surface_codes.resize(first + PatchSampleCount(placement.edge_samples));
+    ReadPatch(model.surface_pages[term][placement.page], placement,
+              CornerOf(model.mesh.triangles[triangle], vertex), 1,
+              maps.surface_codes.data() + first);
+  }
+  const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
+  maps.view_codes.resize(size_t{3} * model.grid * model.grid);
+  for (int row = 0; row < model.grid; ++row) {
+    std::copy_n(&model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row),
+                3 * model.grid, maps.view_codes.data() + size_t{3} * row * model.grid);
+  }
+  return maps;
 }
 
 }  // namespace lfm

@@ -25,4 +25,9 @@ void WriteMean(const std::vector<uint8_t>& codes, int triangle, LightFieldModel&
 void WriteVertexTerms(std::span<const int> ring, const std::vector<TermMaps>& terms, int vertex,
                       LightFieldModel& model);
 
+/// What WriteMean and WriteVertexTerms wrote.
+std::vector<uint8_t> ReadMean(const LightFieldModel& model, int triangle);
+TermMaps ReadVertexTerm(const LightFieldModel& model, std::span<const int> ring, int vertex,
+                        int term);
+
 }  // namespace lfm

@@ -47,23 +47,19 @@ struct Products {
   std::function<void(const Factor& left, Factor& out)> transposed_times;  // F^T U
 };
 
-// Every row of x goes towards the minimum of x G x^T - 2 x p^T over x >= 0: coordinate descent.
-void DescendRows(const Factor& products, const Gram& gram, int terms, Factor& x) {
-  const Eigen::MatrixXf g = gram.cast<float>();
+// The first `terms` of `stride` numbers a row.
+void DescendRows(const float* products, const Gram& gram, int terms, int stride, int rows,
+                 int rounds, float* x) {
+  const Eigen::MatrixXf g = gram.topLeftCorner(terms, terms).cast<float>();
   Eigen::VectorXf inverse(terms);
-  for (int k = 0; k < terms; ++k)
+  for (int k = 0; k < terms; ++k) {
     inverse[k] = gram(k, k) > 0 ? static_cast<float>(1 / gram(k, k)) : 0;
-  for (int row = 0; row < x.rows; ++row) {
-    float* values = &x.At(row, 0);
-    const float* target = products.values.data() + static_cast<size_t>(row) * products.width;
-    for (int round = 0; round < kRounds; ++round) {
-      for (int k = 0; k < terms; ++k) {
-        float slope = target[k];
-        for (int j = 0; j < terms; ++j) slope -= values[j] * g(j, k);
-        values[k] = std::max(0.F, values[k] + slope * inverse[k]);
-      }
-    }
   }
+  kernels::DescendNonnegative(products, g.data(), inverse.data(), terms, stride, rows, rounds, x);
+}
+
+void Descend(const Factor& products, const Gram& gram, int terms, Factor& x) {
+  DescendRows(products.values.data(), gram, terms, x.width, x.rows, kRounds, x.values.data());
 }
 
 double Inner(const Factor& a, const Factor& b) {
@@ -78,10 +74,10 @@ double Inner(const Factor& a, const Factor& b) {
 double Alternate(const Products& f, int terms, Factor& u, Factor& v, Factor& u_products,
                  Factor& v_products) {
   f.times(v, u_products);
-  DescendRows(u_products, v.GramMatrix(), terms, u);
+  Descend(u_products, v.GramMatrix(), terms, u);
   f.transposed_times(u, v_products);
   const Gram u_gram = u.GramMatrix();
-  DescendRows(v_products, u_gram, terms, v);
+  Descend(v_products, u_gram, terms, v);
   return 2 * Inner(v_products, v) - u_gram.cwiseProduct(v.GramMatrix()).sum();
 }
 
@@ -205,6 +201,13 @@ NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options) {
   result.exact_iterations = exact;
   result.squared_error_fall = fall * unscale * unscale;
   return result;
+}
+
+void DescendNonnegative(const std::vector<float>& products, const Eigen::MatrixXd& gram, int terms,
+                        int rounds, std::vector<float>& x) {
+  if (terms == 0) return;
+  DescendRows(products.data(), gram, terms, terms, static_cast<int>(x.size()) / terms, rounds,
+              x.data());
 }
 
 }  // namespace lfm

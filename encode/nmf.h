@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "encode/pca.h"
@@ -41,5 +42,11 @@ struct NmfResult {
 /// stay nonnegative. No energy, or K = 0, gives terms = 0. Throws Error when `max_abs` or a product
 /// is not finite.
 NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options);
+
+/// Nonnegative least squares by coordinate descent: each row x (`terms` numbers) goes towards the
+/// minimum of x G x^T - 2 x p^T over x >= 0 from where it is, `rounds` times through its entries.
+/// `products` and `x` have equal sizes. Entries whose diagonal of G is not positive become zero.
+void DescendNonnegative(const std::vector<float>& products, const Eigen::MatrixXd& gram, int terms,
+                        int rounds, std::vector<float>& x);
 
 }  // namespace lfm

@@ -177,11 +177,40 @@ LFM_INLINE void GramOfWidth(const float* x, int rows, int width, double* g) {
   if (width == 24) GramOf<24>(x, rows, g);
 }
 
+// Eight rows at once, a lane each.
+LFM_INLINE void DescendRows(const float* products, const float* g, const float* inverse, int terms,
+                            int stride, int rows, int rounds, float* x) {
+  constexpr int kRows = 8, kMost = 16;
+  for (int first = 0; first < rows; first += kRows) {
+    const int count = first + kRows < rows ? kRows : rows - first;
+    Float8 target[kMost], value[kMost];
+    for (int k = 0; k < terms; ++k) {
+      target[k] = value[k] = Float8{};
+      for (int r = 0; r < count; ++r) {
+        target[k][r] = products[long{first + r} * stride + k];
+        value[k][r] = x[long{first + r} * stride + k];
+      }
+    }
+    for (int round = 0; round < rounds; ++round) {
+      for (int k = 0; k < terms; ++k) {
+        Float8 slope = target[k];
+        for (int j = 0; j < terms; ++j) slope -= g[j * terms + k] * value[j];
+        const Float8 next = value[k] + slope * inverse[k];
+        value[k] = next > 0 ? next : Float8{};
+      }
+    }
+    for (int k = 0; k < terms; ++k) {
+      for (int r = 0; r < count; ++r) x[long{first + r} * stride + k] = value[k][r];
+    }
+  }
+}
+
 struct Kernels {
   void (*product)(const float*, int, long, long, int, const float*, int, float*);
   void (*to_views)(const WeightsByView&, int, int, int, const float*, int, float*);
   void (*to_directions)(const uint16_t*, const float*, int, int, int, const float*, int, float*);
   void (*gram)(const float*, int, int, double*);
+  void (*descend)(const float*, const float*, const float*, int, int, int, int, float*);
 };
 
 #define LFM_COMPILE_KERNELS(NAME, TARGET, WIDE, COUNT)                                       \
@@ -201,7 +230,12 @@ struct Kernels {
   TARGET void Gram##NAME(const float* x, int rows, int width, double* g) {                   \
     GramOfWidth(x, rows, width, g);                                                          \
   }                                                                                          \
-  constexpr Kernels k##NAME = {Product##NAME, ToViews##NAME, ToDirections##NAME, Gram##NAME};
+  TARGET void Descend##NAME(const float* products, const float* g, const float* inverse,     \
+                            int terms, int stride, int rows, int rounds, float* x) {         \
+    DescendRows(products, g, inverse, terms, stride, rows, rounds, x);                       \
+  }                                                                                          \
+  constexpr Kernels k##NAME = {Product##NAME, ToViews##NAME, ToDirections##NAME, Gram##NAME, \
+                               Descend##NAME};
 
 LFM_COMPILE_KERNELS(Baseline, , Float8, 4)
 #if defined(__x86_64__)
@@ -241,5 +275,10 @@ void AddViewsToDirections(const uint16_t* view, const float* weight, int views, 
 }
 
 void Gram(const float* x, int rows, int width, double* g) { Best().gram(x, rows, width, g); }
+
+void DescendNonnegative(const float* products, const float* g, const float* inverse, int terms,
+                        int stride, int rows, int rounds, float* x) {
+  Best().descend(products, g, inverse, terms, stride, rows, rounds, x);
+}
 
 }  // namespace lfm::kernels

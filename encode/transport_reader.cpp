@@ -96,6 +96,7 @@ struct Frame {
   std::vector<int> edge_samples;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   int grid = 2, terms = 0, max_texture = 256;
+  bool mean_in_terms = false;
 
   LightFieldSource Source() const { return {mesh, vertex_frames, direction_map, grid, {}, {}, 0}; }
 };
@@ -105,8 +106,8 @@ void CheckHeader(const Stream& stream, const transport::GeometryHeader& header) 
                       header.triangles >= 1 && header.triangles <= kMostTriangles;
   stream.Require(counts, "it has no triangles, or more than a model may have");
   stream.Require(header.terms <= 16 && header.grid >= 2 && header.grid <= 256 &&
-                     header.direction_map <= 1 && header.max_texture >= 256 &&
-                     header.max_texture <= 16384,
+                     header.direction_map <= 1 && header.mean_in_terms <= 1 &&
+                     header.max_texture >= 256 && header.max_texture <= 16384,
                  "its terms, view grid or pages are out of range");
   stream.Require(int64_t{header.terms} * header.vertices * header.grid * header.grid <= kMostTexels,
                  "its view maps hold more texels than a model may have");
@@ -123,6 +124,7 @@ Frame DecodeGeometry(Stream stream) {
   frame.grid = static_cast<int>(header.grid);
   frame.terms = static_cast<int>(header.terms);
   frame.max_texture = static_cast<int>(header.max_texture);
+  frame.mean_in_terms = header.mean_in_terms != 0;
   frame.direction_map = static_cast<DirectionMap>(header.direction_map);
   RangeDecoder coder(stream.bytes);
   NumberModels index, coordinate, size, turn;
@@ -345,6 +347,7 @@ LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
   for (const auto& terms : maps) vertex_terms.push_back(static_cast<int>(terms.size()));
   LightFieldModel model =
       LayOutModel(frame.Source(), frame.edge_samples, std::move(vertex_terms), frame.max_texture);
+  model.mean_in_terms = frame.mean_in_terms;
   for (size_t t = 0; t < mean_codes.size(); ++t) {
     WriteMean(mean_codes[t], static_cast<int>(t), model);
   }

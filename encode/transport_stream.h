@@ -43,6 +43,7 @@ struct FileHeader {
 /// At the head of the geometry.
 struct GeometryHeader {
   uint32_t vertices = 0, triangles = 0, terms = 0, grid = 0, direction_map = 0, max_texture = 0;
+  uint32_t mean_in_terms = 0, reserved = 0;
   std::array<double, 3> origin{};
   double step = 0;  // mm
 };

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/parallel.h"
-#include "encode/quantization.h"
-#include "encode/tiling.h"
 #include "encode/transport_form.h"
+#include "encode/transport_maps.h"
 #include "encode/transport_stream.h"
 #include "resample/light_field.h"
 
@@ -37,107 +37,6 @@ CoefficientBlock EmptyBlock(int side, int channels, bool triangular) {
   return {side, channels, triangular,
           std::vector<int>(static_cast<size_t>(channels) * side * side, 0)};
 }
-
-// The coefficients of one term of one vertex, scaled so that both sides weigh the same.
-struct TermCoefficients {
-  int sigma = 0;  // exponent
-  std::vector<Eigen::MatrixXf> surface;
-  std::array<Eigen::MatrixXf, 3> view;
-};
-
-class MapSource {
- public:
-  MapSource(const LightFieldModel& model, const MapTransform& transform)
-      : model_(model), transform_(transform) {}
-
-  std::vector<float> Mean(int triangle, const Eigen::Vector3f& subtracted) const {
-    const PatchPlacement& place = model_.placements[triangle];
-    const int n = place.edge_samples;
-    std::vector<float> values(size_t{3} * PatchSampleCount(n));
-    ForEachTexel(model_.mean_pages[place.page], place, [&](int sample, const uint8_t* texel) {
-      for (int c = 0; c < 3; ++c) {
-        values[3 * sample + c] = static_cast<float>(texel[c]) / 255 - subtracted[c];
-      }
-    });
-    return values;
-  }
-
-  // None where either map is zero.
-  bool Term(const Ring& ring, int vertex, int k, TermCoefficients& out) const {
-    std::vector<std::vector<float>> surface = Surface(ring, vertex, k);
-    Eigen::MatrixXf view = View(vertex, k);
-    double u = 0, v = view.cast<double>().squaredNorm();
-    for (const auto& patch : surface) {
-      for (const float value : patch) u += static_cast<double>(value) * value;
-    }
-    if (!(u > 0) || !(v > 0)) return false;
-    const double sigma = std::sqrt(u) * std::sqrt(v);
-    out.sigma =
-        std::clamp(static_cast<int>(std::lround(transport::kSigmasAnOctave * std::log2(sigma))),
-                   -transport::kMostSigma, transport::kMostSigma);
-    const auto surface_scale = static_cast<float>(transport::SigmaOf(out.sigma) / std::sqrt(u));
-    out.surface.clear();
-    for (size_t i = 0; i < surface.size(); ++i) {
-      for (float& value : surface[i]) value *= surface_scale;
-      out.surface.push_back(transform_.ToTriangle(ring.edge_samples[i], surface[i]));
-    }
-    view = (view * OpponentColors()).eval() * static_cast<float>(std::sqrt(u));
-    const int grid = model_.grid;
-    for (int c = 0; c < 3; ++c) {
-      out.view[c] = transform_.ToSquare(
-          Eigen::Map<const Eigen::MatrixXf>(view.col(c).data(), grid, grid).transpose());
-    }
-    return true;
-  }
-
- private:
-  template <typename Visit>
-  static void ForEachTexel(const Image& page, const PatchPlacement& place, const Visit& visit) {
-    const int n = place.edge_samples;
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i + j < n; ++i) {
-        const Eigen::Vector2i texel = TexelOfSample(place, i, j);
-        visit(PatchSampleIndex(n, i, j), &page.At<uint8_t>(texel.x(), texel.y()));
-      }
-    }
-  }
-
-  std::vector<std::vector<float>> Surface(const Ring& ring, int vertex, int k) const {
-    const MapRange& range = model_.surface_ranges[k * model_.vertex_frames.size() + vertex];
-    std::vector<std::vector<float>> patches;
-    for (const int triangle : ring.triangles) {
-      const PatchPlacement& place = model_.placements[triangle];
-      const Eigen::Vector3i& corners = model_.mesh.triangles[triangle];
-      const int corner = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
-      auto& values = patches.emplace_back(PatchSampleCount(place.edge_samples));
-      ForEachTexel(model_.surface_pages[k][place.page], place,
-                   [&](int sample, const uint8_t* texel) {
-                     values[sample] = DecodeValue(range, texel[corner]);
-                   });
-    }
-    return patches;
-  }
-
-  // N x 3.
-  Eigen::MatrixXf View(int vertex, int k) const {
-    const MapRange& range = model_.view_ranges[k * model_.vertex_frames.size() + vertex];
-    const LightFieldModel::TilePosition tile = model_.ViewTile(vertex);
-    const Image& page = model_.view_pages[k][tile.page];
-    Eigen::MatrixXf view(model_.grid * model_.grid, 3);
-    for (int row = 0; row < model_.grid; ++row) {
-      const uint8_t* texel = &page.At<uint8_t>(tile.x, tile.y + row);
-      for (int column = 0; column < model_.grid; ++column) {
-        for (int c = 0; c < 3; ++c) {
-          view(row * model_.grid + column, c) = DecodeValue(range, texel[3 * column + c]);
-        }
-      }
-    }
-    return view;
-  }
-
-  const LightFieldModel& model_;
-  const MapTransform& transform_;
-};
 
 // How many coefficients have which magnitude, in eighths of an octave: counts do not depend on the
 // order in which threads add them.
@@ -216,6 +115,7 @@ Geometry EncodeGeometry(const LightFieldModel& model, const std::vector<int>& ed
   header.terms = static_cast<uint32_t>(model.terms);
   header.grid = static_cast<uint32_t>(model.grid);
   header.direction_map = static_cast<uint32_t>(model.direction_map);
+  header.mean_in_terms = model.mean_in_terms ? 1 : 0;
   int largest = 256;
   const auto include = [&largest](const std::vector<Image>& pages) {
     for (const Image& page : pages) largest = std::max({largest, page.width(), page.height()});
@@ -266,7 +166,6 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
                        const MapTransform& transform, double psnr_db) {
   // Rounding to multiples of a step errs by its twelfth, squared.
   const auto step = static_cast<float>(std::sqrt(12 * std::pow(10.0, -psnr_db / 10)));
-  const MapSource source(model, transform);
   const std::vector<Eigen::Vector3i> neighbors = ComputeTriangleNeighbors(model.mesh);
   std::vector<Eigen::Vector3f> colors(edge_samples.size());
   RangeEncoder coder;
@@ -274,16 +173,11 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
   for (int t = 0; t < static_cast<int>(edge_samples.size()); ++t) {
     const int n = edge_samples[t];
     const Eigen::Vector3f predicted = transport::PredictMean(neighbors[t], t, colors);
-    const std::vector<float> values = source.Mean(t, predicted);
-    Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> rgb(
-        values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
-    const Eigen::MatrixXf opponent = rgb * OpponentColors();
+    const auto coefficients = transport::CoefficientsOfMean(model, transform, t, predicted);
     CoefficientBlock block = EmptyBlock(n, 3, true);
     Eigen::Vector3f offset;
     for (int c = 0; c < 3; ++c) {
-      const Eigen::VectorXf channel = opponent.col(c);
-      QuantizeInto(transform.ToTriangle(n, std::span(channel.data(), channel.size())), step, c,
-                   block);
+      QuantizeInto(coefficients[c], step, c, block);
       offset[c] =
           step * static_cast<float>(block.At(c, 0, 0)) * std::sqrt(2.F) / static_cast<float>(n);
     }
@@ -299,7 +193,7 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
 class TermWriter {
  public:
   TermWriter(const LightFieldModel& model, const MapTransform& transform, std::vector<Ring> rings)
-      : model_(model), source_(model, transform), rings_(std::move(rings)) {}
+      : model_(model), transform_(transform), rings_(std::move(rings)) {}
 
   double StepFor(double psnr_db) const {
     const auto vertices = static_cast<int64_t>(rings_.size());
@@ -337,16 +231,21 @@ class TermWriter {
   }
 
  private:
+  std::optional<transport::TermCoefficients> Term(int vertex, int k) const {
+    if (k >= model_.vertex_terms[vertex]) return std::nullopt;
+    return transport::CoefficientsOfTerm(model_, transform_, rings_[vertex], vertex, k);
+  }
+
   void CountVertex(int vertex, Magnitudes& magnitudes) const {
-    TermCoefficients term;
     for (int k = 0; k < model_.vertex_terms[vertex]; ++k) {
-      if (!source_.Term(rings_[vertex], vertex, k, term)) continue;
-      for (const Eigen::MatrixXf& patch : term.surface) {
+      const auto term = Term(vertex, k);
+      if (!term) continue;
+      for (const Eigen::MatrixXf& patch : term->surface) {
         for (int column = 0; column < patch.cols(); ++column) {
           for (int row = column; row < patch.rows(); ++row) magnitudes.Add(patch(row, column));
         }
       }
-      for (const Eigen::MatrixXf& view : term.view) {
+      for (const Eigen::MatrixXf& view : term->view) {
         for (const float value : view.reshaped()) magnitudes.Add(value);
       }
     }
@@ -360,7 +259,6 @@ class TermWriter {
   EncodedPart EncodePart(int first, int end, int k, float step, std::vector<uint8_t>& has) const {
     RangeEncoder coder;
     transport::TermModels models;
-    TermCoefficients term;
     double energy = 0;
     int sigma = 0;
     bool before = true;
@@ -368,23 +266,24 @@ class TermWriter {
       if (!has[v - first]) continue;
       std::vector<CoefficientBlock> surface;
       CoefficientBlock view = EmptyBlock(model_.grid, 3, false);
-      bool own = k < model_.vertex_terms[v] && source_.Term(rings_[v], v, k, term);
+      const auto term = Term(v, k);
+      bool own = term.has_value();
       if (own) {
         bool any = false;
-        for (const Eigen::MatrixXf& patch : term.surface) {
+        for (const Eigen::MatrixXf& patch : term->surface) {
           surface.push_back(EmptyBlock(static_cast<int>(patch.rows()), 1, true));
           QuantizeInto(patch, step, 0, surface.back());
           any = any || AnyNonzero(surface.back());
         }
-        for (int c = 0; c < 3; ++c) QuantizeInto(term.view[c], step, c, view);
+        for (int c = 0; c < 3; ++c) QuantizeInto(term->view[c], step, c, view);
         own = any && AnyNonzero(view);
       }
       coder.Encode(models.has[before], own);
       before = own;
       has[v - first] = own;
       if (!own) continue;
-      models.sigma.Encode(coder, transport::Zigzag(term.sigma - sigma));
-      sigma = term.sigma;
+      models.sigma.Encode(coder, transport::Zigzag(term->sigma - sigma));
+      sigma = term->sigma;
       energy += transport::SigmaOf(sigma) * transport::SigmaOf(sigma);
       for (const CoefficientBlock& block : surface) {
         models.surface[transport::SizeClass(block.side)].Encode(coder, block);
@@ -400,7 +299,7 @@ class TermWriter {
   }
 
   const LightFieldModel& model_;
-  MapSource source_;
+  const MapTransform& transform_;
   std::vector<Ring> rings_;
 };
 

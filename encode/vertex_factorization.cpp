@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "encode/decoded_term.h"
 #include "encode/product_kernels.h"
 #include "encode/quantization.h"
 
@@ -14,20 +15,6 @@ namespace {
 
 constexpr double kInvisible = 0.5 / 255;
 constexpr double kPcaTolerance = 1e-6;
-constexpr int kProductWidth = 8;  // the narrowest that the kernels multiply
-
-// A term's maps as the decoder will see them, and F^T u, from which errors follow without F.
-struct DecodedTerm {
-  std::vector<float> surface;   // M; 0 in triangles that nobody saw: no data to fit
-  std::vector<float> view;      // 3N, channels outer
-  std::vector<double> product;  // F^T surface, 3N
-};
-
-double Dot(const std::vector<float>& a, const std::vector<float>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * b[i];
-  return sum;
-}
 
 // The leading direction of R, whose columns are F_p^T U: R mix is F_p^T (U mix).
 Eigen::VectorXf LeadingMix(const std::vector<float>& remainder, int rows, int width) {
@@ -69,78 +56,15 @@ Subspace MakeContinuousSubspace(const VertexOperator& f, const LinearMap& scaled
   return space;
 }
 
-// Triangles that nobody saw go on as the rest of the ring does on average: c times the hat
-// function, c being the least squares ratio of map to hat where it was measured. Their edges stay
-// shared.
-void ContinueIntoUnseen(const VertexOperator& f, const SharedSamples& shared,
-                        std::vector<float>& u) {
-  double product = 0, norm = 0;
-  std::vector<PatchValues> patches;
-  for (const RingBlock& block : f.blocks) {
-    patches.push_back({u.data() + block.first_row, block.views > 0});
-    if (block.views == 0) continue;
-    for (int s = 0; s < block.samples; ++s) {
-      product += static_cast<double>(u[block.first_row + s]) * block.hat[s];
-      norm += static_cast<double>(block.hat[s]) * block.hat[s];
-    }
-  }
-  bool any_unseen = false;
-  for (const RingBlock& block : f.blocks) {
-    if (block.views > 0) continue;
-    any_unseen = true;
-    for (int s = 0; s < block.samples; ++s) {
-      u[block.first_row + s] = static_cast<float>(product / norm) * block.hat[s];
-    }
-  }
-  if (any_unseen) MakeContinuous(shared, 1, patches);
-}
-
-std::vector<int> EdgeSamples(const VertexOperator& f) {
-  std::vector<int> sizes;
-  for (const RingBlock& block : f.blocks) sizes.push_back(block.edge_samples);
-  return sizes;
-}
-
-// The surface map as the decoder will see it; 0 in triangles that nobody saw.
-void DecodeSurface(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {
-  decoded.surface.assign(maps.surface_codes.size(), 0.f);
-  for (const RingBlock& block : f.blocks) {
-    if (block.views == 0) continue;
-    for (int row = block.first_row; row < block.first_row + block.samples; ++row) {
-      decoded.surface[row] = DecodeValue(maps.surface_range, maps.surface_codes[row]);
-    }
-  }
-}
-
-void DecodeView(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {
-  decoded.view.resize(f.cols());
-  for (int col = 0; col < f.cols(); ++col) {
-    const int q = col % f.directions, channel = col / f.directions;
-    decoded.view[col] = DecodeValue(maps.view_range, maps.view_codes[3 * q + channel]);
-  }
-}
-
-// F^T u of a quantised surface map.
-std::vector<double> ProductWith(const VertexOperator& f, const std::vector<float>& surface) {
-  std::vector<float> columns(static_cast<size_t>(f.rows) * kProductWidth, 0.f);
-  for (int row = 0; row < f.rows; ++row) columns[row * kProductWidth] = surface[row];
-  std::vector<float> products(static_cast<size_t>(f.cols()) * kProductWidth);
-  MultiplyTransposed(f, columns.data(), kProductWidth, products.data());
-  std::vector<double> product(f.cols());
-  for (int col = 0; col < f.cols(); ++col) product[col] = products[col * kProductWidth];
-  return product;
-}
-
 // The least squares view map of the remainder that the earlier quantised terms left.
 void FitView(const VertexOperator& f, const std::vector<DecodedTerm>& earlier, TermMaps& maps,
              DecodedTerm& decoded) {
-  decoded.product = ProductWith(f, decoded.surface);
   std::vector<double> fit = decoded.product;
   for (const DecodedTerm& term : earlier) {
-    const double overlap = Dot(term.surface, decoded.surface);
+    const double overlap = DotProduct(term.surface, decoded.surface);
     for (int col = 0; col < f.cols(); ++col) fit[col] -= overlap * term.view[col];
   }
-  const double norm = Dot(decoded.surface, decoded.surface);
+  const double norm = DotProduct(decoded.surface, decoded.surface);
   std::vector<float> view(f.cols());
   for (int col = 0; col < f.cols(); ++col) view[col] = static_cast<float>(fit[col] / norm);
   QuantizeView(view, maps);
@@ -159,18 +83,6 @@ void Deflate(const DecodedTerm& term, const std::vector<float>& column_scale, co
     Eigen::Map<Eigen::VectorXf>(remainder.data() + col * space.width, space.width) -=
         (term.view[col] * column_scale[col % column_scale.size()]) * overlap;
   }
-}
-
-// What the last term changes in ||F - U V^T||^2.
-double ErrorChange(const std::vector<DecodedTerm>& terms) {
-  const DecodedTerm& last = terms.back();
-  double change = 0;
-  for (size_t col = 0; col < last.view.size(); ++col) change -= last.product[col] * last.view[col];
-  for (const DecodedTerm& other : terms) {
-    const double overlap = Dot(last.surface, other.surface) * Dot(last.view, other.view);
-    change += &other == &last ? overlap / 2 : overlap;
-  }
-  return 2 * change;
 }
 
 // The next term's surface map u, not yet scaled, and the extents of u and v; none when no 8-bit

@@ -120,6 +120,7 @@ struct GlRenderer::State {
   int corner_count = 0, vertex_count = 0;
   int terms = 0, grid = 2, view_tiles_per_row = 1, view_tiles_per_page = 1;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
+  bool mean_in_terms = false;
 };
 
 GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<State>()) {
@@ -146,6 +147,7 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   state_->view_tiles_per_row = std::max(model.view_tiles_per_row, 1);
   state_->view_tiles_per_page = std::max(model.view_tiles_per_page, 1);
   state_->direction_map = model.direction_map;
+  state_->mean_in_terms = model.mean_in_terms;
 }
 GlRenderer::~GlRenderer() = default;
 GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
@@ -193,6 +195,7 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
   SetInteger(program, "table_width", GlLightFieldMaps::kTableWidth);
   SetInteger(program, "orthographic", state_->direction_map == DirectionMap::kOrthographic);
+  SetInteger(program, "mean_in_terms", state_->mean_in_terms);
   SetInteger(program, "view_coordinates_per_vertex",
              options.view_coordinates == ViewCoordinates::kPerVertex);
   SetInteger(program, "wireframe", options.edges == EdgeOverlay::kWireframe);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -88,6 +89,30 @@ TEST_F(GlRendererTest, AgreesWithTheReferenceForEveryTermAndCamera) {
             << terms << " terms, azimuth " << azimuth << ", map " << static_cast<int>(map);
       }
     }
+  }
+}
+
+// Nonnegative terms hold the mean view; vertices without any show it themselves.
+TEST_F(GlRendererTest, AgreesWithTheReferenceWhereTermsHoldTheMeanView) {
+  LightFieldModel model = MakeSmoothRandomModel(4, DirectionMap::kHemiOctahedral);
+  model.mean_in_terms = true;
+  ASSERT_GT(std::count(model.vertex_terms.begin(), model.vertex_terms.end(), 0), 3);
+  const GlRenderer gl(model);
+  const ReferenceRenderer reference(model);
+  const OrbitCamera orbit = View(model, 130, 20, 1);
+  const Camera camera = PinholeCamera(orbit, kWidth, kHeight);
+  const Pose pose = CameraFromWorld(orbit);
+  for (const int terms : {0, 1, 3}) {
+    GlRenderOptions gl_options;
+    gl_options.evaluation.terms = terms;
+    RenderOptions options;
+    options.evaluation.terms = terms;
+    const Rendering expected = reference.Render(camera, pose, options, SilentProgress());
+    EXPECT_GE(CompareImages(DrawWithGl(gl, camera, pose, gl_options), expected.color,
+                            Interior(expected.coverage, 1))
+                  .psnr_db,
+              kMinPsnrDb)
+        << terms;
   }
 }
 

@@ -22,6 +22,7 @@ uniform int surface_first[16];  // layer of each term's first page
 uniform int view_first[16];
 uniform int orthographic;
 uniform int view_coordinates_per_vertex;
+uniform int mean_in_terms;
 uniform int wireframe;
 
 out vec4 color;
@@ -53,7 +54,15 @@ void main() {
                       : SquareFromDirection(normalize(view_vector[j]), orthographic != 0);
     view_texel[j] = vec2(view_tile[j].xy) + clamp(square, 0.0, 1.0) * float(grid - 1);
   }
-  vec3 sum = ReadTexel(mean_maps, patch_texel, patch_page);
+  // Corners whose terms do not hold the mean view show it themselves.
+  float mean_share = 1.0;
+  if (mean_in_terms != 0 && terms > 0) {
+    mean_share = 0.0;
+    for (int j = 0; j < 3; ++j) {
+      if (Range(0, patch_corners[j]) == vec4(0.0)) mean_share += corner_weights[j];
+    }
+  }
+  vec3 sum = mean_share * ReadTexel(mean_maps, patch_texel, patch_page);
   for (int k = 0; k < terms; ++k) {
     vec3 surface = ReadTexel(surface_maps, patch_texel, surface_first[k] + patch_page);
     for (int j = 0; j < 3; ++j) {

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/model_error.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/error.h"
+#include "core/image_metrics.h"
+#include "core/parallel.h"
+#include "encode/decoded_term.h"
+#include "encode/model_layout.h"
+
+namespace lfm {
+namespace {
+
+PatchMean MeanOf(const LightFieldModel& model, int triangle) {
+  PatchMean mean;
+  for (const uint8_t code : ReadMean(model, triangle)) {
+    mean.push_back(static_cast<float>(code) / 255);
+  }
+  return mean;
+}
+
+ModelError VertexError(const LightFieldSource& source, const LightFieldModel& model,
+                       std::span<const int> ring, int vertex) {
+  const bool holds_mean = model.mean_in_terms && model.vertex_terms[vertex] > 0;
+  const VertexOperator f = BuildVertexOperator(source, vertex, ring, [&](int triangle) {
+    PatchMean mean = MeanOf(model, triangle);
+    if (holds_mean) mean.assign(mean.size(), 0.f);
+    return mean;
+  });
+  ModelError error;
+  for (const RingBlock& block : f.blocks) {
+    if (block.views > 0) error.entries += int64_t{block.samples} * f.cols();
+  }
+  error.squared_error = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
+  std::vector<DecodedTerm> terms;
+  for (int k = 0; k < model.vertex_terms[vertex]; ++k) {
+    const TermMaps maps = ReadVertexTerm(model, ring, vertex, k);
+    DecodedTerm& term = terms.emplace_back();
+    DecodeSurface(f, maps, term);
+    DecodeView(f, maps, term);
+    error.squared_error += ErrorChange(terms);
+  }
+  error.squared_error = std::max(error.squared_error, 0.0);
+  return error;
+}
+
+void CheckSameObject(const LightFieldSource& source, const LightFieldModel& model) {
+  bool same = source.grid == model.grid && source.mesh.triangles == model.mesh.triangles &&
+              source.mesh.vertices.size() == model.mesh.vertices.size();
+  for (size_t t = 0; same && t < model.placements.size(); ++t) {
+    same = source.patch(static_cast<int>(t)).edge_samples == model.placements[t].edge_samples;
+  }
+  if (!same) throw Error("the model and the light field are not of one mesh and one view grid");
+}
+
+}  // namespace
+
+double ModelError::psnr_db() const {
+  return entries == 0 ? 99
+                      : PsnrFromMse(255.0 * 255.0 * squared_error / static_cast<double>(entries));
+}
+
+ModelError CompareWithLightField(const LightFieldSource& source, const LightFieldModel& model) {
+  ValidateModel(model, "the model");
+  CheckSameObject(source, model);
+  const VertexRings rings = ComputeVertexRings(source.mesh);
+  std::vector<ModelError> errors(source.mesh.vertices.size());
+  ParallelFor(0, static_cast<int64_t>(errors.size()), [&](int64_t v) {
+    const auto ring = std::span<const int>(rings.triangles)
+                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    errors[v] = VertexError(source, model, ring, static_cast<int>(v));
+  });
+  ModelError total;
+  for (const ModelError& error : errors) {
+    total.squared_error += error.squared_error;
+    total.entries += error.entries;
+  }
+  return total;
+}
+
+}  // namespace lfm
