@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes against accuracy of one object, every way that the encoder knows, beside WebP over the same
-// maps: lfm-bench-rate WORK. PSNR is that of the decoded maps against the resampled light field
-// (CompareWithLightField). Prints a Markdown table.
+// maps: lfm-bench-rate WORK. PSNR is that of the decoded maps against the resampled light field.
+// Prints a Markdown table.
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>

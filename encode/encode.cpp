@@ -98,14 +98,15 @@ std::vector<int> TermsForMegabytes(const LightFieldSource& source,
                   options.target_mb, static_cast<double>(least) * 1e-6);
     throw Error(text);
   }
+  constexpr int kPatience = 8;
   int64_t budget = target - least;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0;; ++i) {
     std::vector<int> terms = TermsForBytes(costs, budget);
     const int64_t bytes = bytes_of(terms);
-    if (bytes <= target) return terms;
-    budget -= bytes - target;
+    if (bytes <= target) return terms;  // no terms at all, in the end
+    const int64_t over = bytes - target;
+    budget = std::max<int64_t>(budget - (i < kPatience ? over : std::max(over, budget / 2)), 0);
   }
-  return std::vector<int>(costs.entries.size(), 0);
 }
 
 std::vector<int> ChooseTerms(const LightFieldSource& source, std::span<const int> edge_samples,
@@ -222,7 +223,9 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   });
   result.model = FillGutters(std::move(result.model));
   Summarize(factors, source, result);
-  if (options.transport_db > 0) {
+  if (options.transport_db > 0 && !FitsTransportForm(result.model)) {
+    progress.Note("the model is too large for the transport form: no model.lfz");
+  } else if (options.transport_db > 0) {
     result.transport =
         EncodeTransport(result.model, {options.transport_db}, &result.transport_sizes);
   }

@@ -46,7 +46,7 @@ struct EncodeOptions {
              target_db);
     v.Number({"target-mb",
               "In place of --terms: the terms that come nearest to the resampled light field with "
-              "maps of this size in graphics memory; 0 = off.",
+              "maps of this size in memory; 0 = off.",
               "MB", 0, 1e6},
              target_mb);
     v.Integer({"max-terms",

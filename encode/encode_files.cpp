@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/atomic_file.h"
+#include "core/error.h"
 #include "core/json_reader.h"
 #include "encode/glb.h"
 
@@ -15,9 +16,11 @@ constexpr int kMaxCount = std::numeric_limits<int>::max();
 }  // namespace
 
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
+  const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
   const std::filesystem::path transport_file = folder / "model.lfz";
   if (result.transport.empty()) {
-    std::filesystem::remove(transport_file);
+    std::error_code ignored;  // what cannot be removed is not read either
+    std::filesystem::remove(transport_file, ignored);
   } else {
     WriteFileAtomically(transport_file, result.transport);
   }
@@ -25,7 +28,7 @@ nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::pat
   const nlohmann::json figures = {{"terms_mean", result.terms_mean},
                                   {"terms_max", result.terms_max},
                                   {"vertices_by_terms", result.vertices_by_terms},
-                                  {"model_bytes", WriteGlb(result.model, folder / "model.glb")},
+                                  {"model_bytes", model_bytes},
                                   {"transport_bytes", sizes.total},
                                   {"transport_geometry_bytes", sizes.geometry},
                                   {"transport_mean_bytes", sizes.mean},
@@ -49,6 +52,9 @@ EncodeResult LoadEncode(const std::filesystem::path& folder) {
   result.terms_max = reader.Integer("terms_max", 0, 16);
   for (const double count :
        reader.Numbers("vertices_by_terms", static_cast<size_t>(result.terms_max) + 1)) {
+    if (!(count >= 0 && count <= kMaxCount)) {
+      throw Error(file.string() + ": \"vertices_by_terms\" is out of range; run lfm-encode again");
+    }
     result.vertices_by_terms.push_back(static_cast<int>(count));
   }
   result.model_bytes = static_cast<int64_t>(reader.Number("model_bytes"));

@@ -8,7 +8,8 @@
 
 namespace lfm {
 
-/// Writes `folder/model.glb` and `folder/encode.json` (the figures, with model_bytes), each
+/// Writes `folder/model.glb`, `folder/model.lfz` (removed where the result has none) and
+/// `folder/encode.json` (the figures, with model_bytes), each
 /// atomically. Returns the figures.
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder);
 /// Reads both back, model_bytes set. Throws Error when one is missing or damaged.

@@ -33,8 +33,8 @@ bool HoldsPatch(const std::vector<Image>& pages, const PatchPlacement& placement
 
 bool HoldsTile(const std::vector<Image>& pages, const LightFieldModel::TilePosition& tile,
                int grid) {
-  return tile.page < static_cast<int>(pages.size()) && tile.x + grid <= pages[tile.page].width() &&
-         tile.y + grid <= pages[tile.page].height();
+  return tile.page < static_cast<int>(pages.size()) && tile.x >= 0 && tile.y >= 0 &&
+         tile.x + grid <= pages[tile.page].width() && tile.y + grid <= pages[tile.page].height();
 }
 
 }  // namespace
@@ -54,7 +54,11 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
           "its tables do not fit its mesh");
   require(model.surface_pages.size() == terms && model.view_pages.size() == terms,
           "it does not have one list of pages a term");
-  require(model.grid >= 2 && model.view_tiles_per_row >= 1 && model.view_tiles_per_page >= 1,
+  constexpr int64_t kMostSide = 1 << 20;
+  require(model.grid >= 2 && model.view_tiles_per_row >= 1 && model.view_tiles_per_page >= 1 &&
+              int64_t{model.view_tiles_per_row} * model.grid <= kMostSide &&
+              int64_t{(model.view_tiles_per_page - 1) / model.view_tiles_per_row} * model.grid <=
+                  kMostSide,
           "its view tiles have no place");
   bool rgb = AllRgb8(model.mean_pages);
   for (size_t k = 0; k < terms; ++k) {

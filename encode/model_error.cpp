@@ -47,7 +47,8 @@ ModelError VertexError(const LightFieldSource& source, const LightFieldModel& mo
 }
 
 void CheckSameObject(const LightFieldSource& source, const LightFieldModel& model) {
-  bool same = source.grid == model.grid && source.mesh.triangles == model.mesh.triangles &&
+  bool same = source.grid == model.grid && source.direction_map == model.direction_map &&
+              source.mesh.triangles == model.mesh.triangles &&
               source.mesh.vertices.size() == model.mesh.vertices.size();
   for (size_t t = 0; same && t < model.placements.size(); ++t) {
     same = source.patch(static_cast<int>(t)).edge_samples == model.placements[t].edge_samples;

@@ -16,9 +16,9 @@ struct ModelError {
 };
 
 /// Over all vertex matrices, as EncodeResult::matrix_psnr_db, and with the model's own mean view,
-/// so that its errors count too: what a model is worth that was coded and decoded since. Mesh,
-/// patches and view grid must be those of the source, in the same order; throws Error where they
-/// are not.
+/// so that its errors count too: what the maps of a model are worth that was coded and decoded
+/// since (its coordinates and frames may have been rounded: not seen here). Mesh, patches and view
+/// grid must be those of the source, in the same order; throws Error where they are not.
 ModelError CompareWithLightField(const LightFieldSource& source, const LightFieldModel& model);
 
 }  // namespace lfm

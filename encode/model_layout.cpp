@@ -87,7 +87,10 @@ LightFieldModel LayOutModel(const LightFieldSource& source, std::span<const int>
                                           [k](int terms) { return terms > k; }));
   };
   const ViewLayout views = PlaceViews(tiles_of_term(0), source.grid, max_texture_size);
-  model.terms = static_cast<int>(patches.term_page_sizes.size());
+  model.terms = model.vertex_terms.empty()
+                    ? 0
+                    : *std::max_element(model.vertex_terms.begin(), model.vertex_terms.end());
+  patches.term_page_sizes.resize(model.terms);  // vertices of no triangle have tiles alone
   model.placements = std::move(patches.placements);
   model.mean_pages = MakePages(patches.page_sizes);
   for (int k = 0; k < model.terms; ++k) {

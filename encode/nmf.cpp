@@ -206,6 +206,7 @@ NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options) {
 void DescendNonnegative(const std::vector<float>& products, const Eigen::MatrixXd& gram, int terms,
                         int rounds, std::vector<float>& x) {
   if (terms == 0) return;
+  if (terms > 16) throw Error("NMF: terms must lie in [0, 16]", ErrorKind::kSystem);
   DescendRows(products.data(), gram, terms, terms, static_cast<int>(x.size()) / terms, rounds,
               x.data());
 }

@@ -45,7 +45,8 @@ NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options);
 
 /// Nonnegative least squares by coordinate descent: each row x (`terms` numbers) goes towards the
 /// minimum of x G x^T - 2 x p^T over x >= 0 from where it is, `rounds` times through its entries.
-/// `products` and `x` have equal sizes. Entries whose diagonal of G is not positive become zero.
+/// `products` and `x` have equal sizes. `terms` is at most 16. Entries whose diagonal of G is not
+/// positive stay as they are.
 void DescendNonnegative(const std::vector<float>& products, const Eigen::MatrixXd& gram, int terms,
                         int rounds, std::vector<float>& x);
 

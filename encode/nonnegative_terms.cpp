@@ -132,6 +132,14 @@ VertexTerms FactorizeNonnegative(const VertexOperator& f, const SharedSamples& s
   RefitViews(f, std::move(views), result.terms, decoded);
   double error = energy;
   std::vector<DecodedTerm> before;
+  const auto shows_nothing = [&](const DecodedTerm& term) {
+    return !(DotProduct(term.view, term.view) > 0);
+  };
+  for (size_t k = decoded.size(); k-- > 0;) {
+    if (!shows_nothing(decoded[k])) continue;
+    decoded.erase(decoded.begin() + static_cast<std::ptrdiff_t>(k));
+    result.terms.erase(result.terms.begin() + static_cast<std::ptrdiff_t>(k));
+  }
   for (size_t k = 0; k < decoded.size(); ++k) {
     before.push_back(std::move(decoded[k]));
     const double change = ErrorChange(before);

@@ -35,9 +35,9 @@ void AddViewsToDirections(const uint16_t* view, const float* weight, int views, 
 /// g (width x width) = x^T x in float64; x is (rows x width).
 void Gram(const float* x, int rows, int width, double* g);
 
-/// Nonnegative least squares by coordinate descent: each row x (`terms` of `stride` numbers, at most
-/// 16) goes `rounds` times towards the minimum of x G x^T - 2 x p^T over x >= 0; g is terms x terms,
-/// `inverse` the inverses of its diagonal, or 0.
+/// Nonnegative least squares by coordinate descent: each row x (`terms` of `stride` numbers, at
+/// most 16) goes `rounds` times towards the minimum of x G x^T - 2 x p^T over x >= 0; g is terms x
+/// terms, `inverse` the inverses of its diagonal, or 0.
 void DescendNonnegative(const float* products, const float* g, const float* inverse, int terms,
                         int stride, int rows, int rounds, float* x);
 

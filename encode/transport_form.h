@@ -26,6 +26,10 @@ struct TransportSizes {
   std::vector<int64_t> terms;  ///< of each term
 };
 
+/// Whether the model is not too large for the form: 4 million vertices, 8 million triangles, 2^28
+/// texels in all, coordinates below 1e12 mm.
+bool FitsTransportForm(const LightFieldModel& model);
+
 /// Each term u v^T of a vertex is coded as sigma u / |u| and sigma v / |v|, so that an error in
 /// either weighs the same in their product: cosine coefficients of both (triangles, square of
 /// directions, opponent colours) are rounded to multiples of one step for the whole model (a dead
@@ -33,8 +37,8 @@ struct TransportSizes {
 /// judged over all vertices' matrices as in EncodeResult::matrix_psnr_db; the mean view is coded to
 /// the same PSNR. What rounds to zero goes.
 ///
-/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent,
-/// or a PSNR out of range.
+/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent
+/// or does not fit, or a PSNR out of range.
 std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
                             TransportSizes* sizes = nullptr);
 

@@ -24,11 +24,6 @@ namespace {
 
 using transport::Ring;
 
-constexpr uint32_t kMostVertices = 1U << 23, kMostTriangles = 1U << 24;
-constexpr int64_t kMostTexels = int64_t{1} << 28;  // of all maps together
-constexpr int kMostEdgeSamples = 4096;
-constexpr float kMostStep = 1e3F;
-
 struct Stream {
   std::string_view bytes;
   const std::string& name;
@@ -78,7 +73,9 @@ Parts FindParts(Stream stream) {
     const auto expected = count == 0   ? transport::Part::kGeometry
                           : count == 1 ? transport::Part::kMean
                                        : transport::Part::kTerm;
-    stream.Require(part.header.part == static_cast<uint32_t>(expected),
+    const bool of_all =
+        part.header.term == 0 && part.header.first_vertex == 0 && part.header.count == 0;
+    stream.Require(part.header.part == static_cast<uint32_t>(expected) && (count >= 2 || of_all),
                    "its parts are not in order");
     if (count == 0) parts.geometry = part.bytes;
     if (count == 1) parts.mean = part.bytes;
@@ -102,15 +99,13 @@ struct Frame {
 };
 
 void CheckHeader(const Stream& stream, const transport::GeometryHeader& header) {
-  const bool counts = header.vertices >= 3 && header.vertices <= kMostVertices &&
-                      header.triangles >= 1 && header.triangles <= kMostTriangles;
+  const bool counts = header.vertices >= 3 && header.vertices <= transport::kMostVertices &&
+                      header.triangles >= 1 && header.triangles <= transport::kMostTriangles;
   stream.Require(counts, "it has no triangles, or more than a model may have");
   stream.Require(header.terms <= 16 && header.grid >= 2 && header.grid <= 256 &&
                      header.direction_map <= 1 && header.mean_in_terms <= 1 &&
                      header.max_texture >= 256 && header.max_texture <= 16384,
                  "its terms, view grid or pages are out of range");
-  stream.Require(int64_t{header.terms} * header.vertices * header.grid * header.grid <= kMostTexels,
-                 "its view maps hold more texels than a model may have");
   bool finite = std::isfinite(header.step) && header.step > 0 && header.step < 1e9;
   for (const double value : header.origin) finite = finite && std::abs(value) < 1e12;
   stream.Require(finite, "its coordinates are not finite");
@@ -151,13 +146,12 @@ Frame DecodeGeometry(Stream stream) {
     frame.mesh.vertices.push_back(origin + header.step * last);
     go_on();
   }
-  int64_t samples = 0;
+  transport::Work work(header.terms, header.vertices, header.grid);
   for (uint32_t t = 0; t < header.triangles; ++t) {
     const int64_t n = int64_t{size.Decode(coder)} + 2;
-    stream.Require(n <= kMostEdgeSamples, "a patch is larger than a page");
-    samples += (n + 4) * (n + 3) / 2;
-    stream.Require(samples * (1 + header.terms) <= kMostTexels,
-                   "its patches hold more texels than a model may have");
+    stream.Require(n + 4 <= header.max_texture, "a patch is larger than a page");
+    work.AddPatch(static_cast<int>(n));
+    stream.Require(work.IsBounded(), "its maps hold more texels than a model may have");
     frame.edge_samples.push_back(static_cast<int>(n));
   }
   go_on();
@@ -179,7 +173,8 @@ Frame DecodeGeometry(Stream stream) {
 
 float TakeStep(Stream& stream) {
   float step = 0;
-  stream.Require(stream.Take(step) && step > 0 && step <= kMostStep, "a step is out of range");
+  stream.Require(stream.Take(step) && step > 0 && step <= transport::kMostStep,
+                 "a step is out of range");
   return step;
 }
 
@@ -251,8 +246,10 @@ class ChunkReader {
       stream.Require(!coder.overrun(), "a term is too short");
       before = has;
       if (!has) continue;
+      stream.Require(rings_[v].samples > 0, "a vertex of no triangle has terms");
       sigma += transport::Unzigzag(models.sigma.Decode(coder));
       stream.Require(std::abs(sigma) <= transport::kMostSigma, "the scale of a term is too large");
+      stream.Require(!coder.overrun(), "a term is too short");
       maps_[v].push_back(
           ReadTerm(static_cast<int>(v), static_cast<int>(sigma), step, coder, models));
     }
@@ -320,6 +317,12 @@ std::vector<std::vector<TermMaps>> DecodeTerms(const std::string& name, const Pa
     stream.Require(fits, "a term comes before the one that it adds to");
     by_chunk[first / transport::kChunk].push_back(&part);
   }
+  // Nonnegative terms hold the mean view between them: some of them would show part of the light.
+  if (parts.missing > 0 && frame.mean_in_terms) {
+    for (auto& chunk : by_chunk) {
+      if (static_cast<int>(chunk.size()) < frame.terms) chunk.clear();
+    }
+  }
   std::vector<std::vector<TermMaps>> maps(rings.size());
   const ChunkReader reader(frame, transform, rings, maps);
   ParallelFor(0, chunks, [&](int64_t chunk) {
@@ -355,6 +358,7 @@ LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
     WriteVertexTerms(rings[v].triangles, maps[v], static_cast<int>(v), model);
   });
   if (parts_missing != nullptr) *parts_missing = parts.missing;
+  ValidateModel(model, name);
   return FillGutters(std::move(model));
 }
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "core/triangle_mesh.h"
@@ -16,6 +17,8 @@
 /// What writer and reader of the transport form share (docs/formats.md).
 namespace lfm::transport {
 
+static_assert(std::endian::native == std::endian::little, "headers are copied as they lie");
+
 inline constexpr std::array<char, 8> kMagic = {'L', 'F', 'M', 'Z', '\r', '\n', '\x1a', '\n'};
 inline constexpr uint32_t kVersion = 1;
 inline constexpr int kChunk = 1024;             // vertices whose maps of one term are one part
@@ -24,6 +27,32 @@ inline constexpr double kSigmasAnOctave = 8;    // of the scale of a term
 inline constexpr int kMostSigma = 240;          // in those steps: 2^30
 inline constexpr int kMostMagnitude = 1 << 20;  // of a quantised coefficient
 inline constexpr int kSizeClasses = 8;
+
+// What a file may claim; the writer keeps to it.
+inline constexpr uint32_t kMostVertices = 1U << 22, kMostTriangles = 1U << 23;
+inline constexpr float kMostStep = 1e3F;
+inline constexpr double kMostCoordinate = 1e12;  // mm
+
+/// What decoding takes, as far as headers and patch sizes say it.
+class Work {
+ public:
+  Work(int64_t terms, int64_t vertices, int64_t grid)
+      : terms_(terms), texels_(terms * vertices * grid * grid) {}
+  void AddPatch(int edge_samples) {
+    const int64_t n = edge_samples;
+    texels_ += (n + 4) * (n + 3) / 2 * (1 + terms_);
+    products_ += n * n * n;
+    if (sides_.insert(edge_samples).second) basis_entries_ += n * n;
+  }
+  bool IsBounded() const {
+    return texels_ <= int64_t{1} << 28 && products_ <= int64_t{1} << 36 &&
+           basis_entries_ <= int64_t{1} << 26;
+  }
+
+ private:
+  int64_t terms_, texels_, products_ = 0, basis_entries_ = 0;
+  std::set<int> sides_;
+};
 
 enum class Part : uint32_t { kGeometry = 1, kMean = 2, kTerm = 3 };
 

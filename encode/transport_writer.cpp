@@ -305,12 +305,28 @@ class TermWriter {
 
 }  // namespace
 
+bool FitsTransportForm(const LightFieldModel& model) {
+  transport::Work work(model.terms, static_cast<int64_t>(model.mesh.vertices.size()), model.grid);
+  for (const PatchPlacement& place : model.placements) work.AddPatch(place.edge_samples);
+  double largest = 0;
+  for (const Eigen::Vector3d& p : model.mesh.vertices) {
+    largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  }
+  return model.mesh.vertices.size() >= 3 &&
+         model.mesh.vertices.size() <= transport::kMostVertices &&
+         model.mesh.triangles.size() <= transport::kMostTriangles && model.terms <= 16 &&
+         model.grid <= 256 && work.IsBounded() && largest < transport::kMostCoordinate;
+}
+
 std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
                             TransportSizes* sizes) {
   if (!(options.psnr_db >= 20 && options.psnr_db <= 90)) {
     throw Error("--transport-db must lie in [20, 90]");
   }
   ValidateModel(model, "the model");
+  if (!FitsTransportForm(model)) {
+    throw Error("the model is too large for the transport form; --transport-db 0 leaves it out");
+  }
   std::vector<int> edge_samples;
   for (const PatchPlacement& place : model.placements) edge_samples.push_back(place.edge_samples);
   const MapTransform transform = transport::MakeTransform(edge_samples, model.grid);
@@ -318,7 +334,8 @@ std::string EncodeTransport(const LightFieldModel& model, const TransportOptions
   EncodedPart mean = EncodeMean(model, edge_samples, transform, options.psnr_db);
 
   const TermWriter writer(model, transform, transport::MakeRings(model.mesh, edge_samples));
-  const auto step = static_cast<float>(writer.StepFor(options.psnr_db));
+  const auto step =
+      static_cast<float>(std::min<double>(writer.StepFor(options.psnr_db), transport::kMostStep));
   const auto vertices = static_cast<int64_t>(model.mesh.vertices.size());
   const int64_t chunks = (vertices + transport::kChunk - 1) / transport::kChunk;
   std::vector<std::vector<EncodedPart>> by_chunk(chunks);

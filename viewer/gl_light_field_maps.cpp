@@ -104,7 +104,8 @@ std::vector<TableEntry> FrameEntries(const LightFieldModel& model) {
     const auto slot = static_cast<float>(model.view_slots[v]);  // exact below 2^24
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3f direction = model.vertex_frames[v].col(axis).cast<float>();
-      entries.push_back({direction.x(), direction.y(), direction.z(), slot});
+      const float fourth = axis == 0 ? slot : static_cast<float>(model.vertex_terms[v]);
+      entries.push_back({direction.x(), direction.y(), direction.z(), fourth});
     }
   }
   return entries;

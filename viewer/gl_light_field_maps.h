@@ -13,7 +13,8 @@ namespace lfm {
 /// Pages are layers of texture arrays: mean page p is layer p; page p of term k is layer
 /// first[k] + p. Tables are float textures kTableWidth texels wide, entry i at texel
 /// (i % kTableWidth, i / kTableWidth): the axes x, y, z of vertex v's frame at entries 3 v + 0, 1,
-/// 2, with the tile (LightFieldModel::view_slots) as the fourth number of each; (surface scale,
+/// 2, with the tile (LightFieldModel::view_slots) as the fourth number of x, and the
+/// number of terms of y and z; (surface scale,
 /// surface bias, view scale, view bias) of vertex v and term k at k * V + v, zero where the vertex
 /// has no such term.
 struct GlLightFieldMaps {

@@ -11,7 +11,7 @@
 namespace lfm::testing {
 namespace {
 
-// Two vertices' worth of choices on one triangle: small enough to try every choice.
+// The choices of three vertices.
 struct OneTriangle {
   TriangleMesh mesh;
   OneTriangle() {

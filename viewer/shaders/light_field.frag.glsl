@@ -8,6 +8,7 @@ centroid in vec2 patch_texel;
 centroid in vec3 corner_weights;
 flat in int patch_page;
 flat in ivec3 patch_corners;
+flat in ivec3 corner_terms;
 flat in ivec3 view_tile[3];
 
 uniform sampler2DArray mean_maps;
@@ -59,7 +60,7 @@ void main() {
   if (mean_in_terms != 0 && terms > 0) {
     mean_share = 0.0;
     for (int j = 0; j < 3; ++j) {
-      if (Range(0, patch_corners[j]) == vec4(0.0)) mean_share += corner_weights[j];
+      if (corner_terms[j] == 0) mean_share += corner_weights[j];
     }
   }
   vec3 sum = mean_share * ReadTexel(mean_maps, patch_texel, patch_page);

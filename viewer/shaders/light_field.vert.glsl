@@ -24,9 +24,10 @@ centroid out vec2 patch_texel;
 centroid out vec3 corner_weights;
 flat out int patch_page;
 flat out ivec3 patch_corners;
+flat out ivec3 corner_terms;
 flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
 
-// xyz: an axis of the vertex's frame; w: the number of its view tile.
+// xyz: an axis of the vertex's frame; w: of x the number of its view tile, of y its terms.
 vec4 FrameEntry(int vertex, int axis) {
   int entry = 3 * vertex + axis;
   return texelFetch(frames, ivec2(entry % table_width, entry / table_width), 0);
@@ -45,7 +46,9 @@ void main() {
   for (int j = 0; j < 3; ++j) {
     int v = corners[j];
     vec4 x_axis = FrameEntry(v, 0);
-    vec3 in_frame = vec3(dot(x_axis.xyz, to_eye), dot(FrameEntry(v, 1).xyz, to_eye),
+    vec4 y_axis = FrameEntry(v, 1);
+    corner_terms[j] = int(y_axis.w + 0.5);
+    vec3 in_frame = vec3(dot(x_axis.xyz, to_eye), dot(y_axis.xyz, to_eye),
                          dot(FrameEntry(v, 2).xyz, to_eye));
     view_vector[j] = view_coordinates_per_vertex != 0
                          ? vec3(SquareFromDirection(normalize(in_frame), orthographic != 0), 0.0)
