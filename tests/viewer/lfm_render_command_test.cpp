@@ -9,7 +9,9 @@
 #include "calib/calib_files.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/image_metrics.h"
 #include "encode/glb.h"
+#include "encode/transport_form.h"
 #include "synthetic_model.h"
 #include "tests/support/run_command.h"
 #include "tests/support/scratch_folder.h"
@@ -74,6 +76,26 @@ class LfmRenderCommand : public testing::Test {
   const std::string model_ = scratch_.folder / "model.glb";
   const std::string out_ = scratch_.folder / "out.png";
 };
+
+TEST_F(LfmRenderCommand, DrawsTheTransportFormAndSaysWhatIsCutOff) {
+  const LightFieldModel model = MakeSmoothRandomModel(1, DirectionMap::kHemiOctahedral);
+  const std::string bytes = EncodeTransport(model, {60});
+  const std::string file = scratch_.folder / "model.lfz";
+  const std::vector<std::string> arguments = {file, out_, "--size", "90x70"};
+  WriteFileAtomically(file, bytes);
+  ASSERT_EQ(Run(arguments).status, 0);
+  const PosedCamera camera = OrbitView({.size = "90x70"});
+  const Rendering expected = Expected(camera, model.terms, 2);
+  EXPECT_GT(CompareImages(ReadImage(out_), expected.color, expected.coverage).psnr_db, 35);
+
+  WriteFileAtomically(file, std::string_view(bytes).substr(0, bytes.size() - 1));
+  const CommandOutcome cut = RunCommand({kLfmRender, file, out_, "--size", "90x70"}, {});
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_NE((cut.out + cut.err).find("is cut off"), std::string::npos) << cut.out << cut.err;
+  fs::remove(out_);
+  WriteFileAtomically(file, std::string_view(bytes).substr(0, 100));
+  ExpectRefusal(arguments, {"model.lfz", "it ends before its mean view"});
+}
 
 TEST_F(LfmRenderCommand, WritesThePictureOfTheReferenceRenderer) {
   ViewOptions view;
