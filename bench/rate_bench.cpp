@@ -88,11 +88,11 @@ void Compare(const fs::path& work) {
   const lfm::EncodeResult fine =
       table.Encode("as many terms as needed, 8-bit maps", {.target_db = 47, .transport_db = 0});
   for (const double db : {44.0, 46.0, 48.0, 50.0, 52.0, 56.0}) {
-    const std::string bytes = lfm::EncodeTransport(fine.model, {db});
+    const std::string bytes = lfm::EncodeTransport(fine.model, {db}).bytes;
     char way[80];
     std::snprintf(way, sizeof way, "transport form of that, %.0f dB, geometry too", db);
     table.Row(way, fine.terms_mean, static_cast<int64_t>(bytes.size()),
-              table.Psnr(lfm::DecodeTransport(bytes, "model.lfz")));
+              table.Psnr(lfm::DecodeTransport(bytes, "model.lfz").model));
   }
 }
 

@@ -86,9 +86,13 @@ uint32_t NumberModels::Decode(RangeDecoder& coder) {
   return Code(reading, 0);
 }
 
-template <typename Coder>
-void CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column,
-                                  CoefficientBlock& block) {
+CoefficientBlock MakeBlock(int side, int channels, bool triangular) {
+  return {side, channels, triangular,
+          std::vector<int>(static_cast<size_t>(channels) * side * side, 0)};
+}
+
+template <typename Coder, typename Block>
+void CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column, Block& block) {
   const int64_t near = 2 * Magnitude(block, channel, row - 1, column) +
                        2 * Magnitude(block, channel, row, column - 1) +
                        Magnitude(block, channel, row - 1, column - 1) +
@@ -96,7 +100,7 @@ void CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column
                        Magnitude(block, channel, row, column - 2);
   const int neighbors = NeighborClass(near);
   const int first = channel == 0 ? 0 : std::min(std::abs(block.At(0, row, column)), 2);
-  int& value = block.At(channel, row, column);
+  auto&& value = block.At(channel, row, column);
   const int magnitude = std::abs(value);
   BitModel& nonzero =
       nonzero_[channel == 0 ? 0 : 1 + first][DiagonalClass(row + column)][neighbors];
@@ -109,8 +113,8 @@ void CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column
   if constexpr (Coder::kReads) value = negative ? -coded : coded;
 }
 
-template <typename Coder>
-void CoefficientModels::Code(Coder& coder, CoefficientBlock& block) {
+template <typename Coder, typename Block>
+void CoefficientModels::Code(Coder& coder, Block& block) {
   const int most = 2 * block.side - 1;
   for (int channel = 0; channel < block.channels; ++channel) {
     const int wanted = Coder::kReads ? 0 : NonzeroDiagonals(block, channel);
@@ -129,7 +133,7 @@ void CoefficientModels::Code(Coder& coder, CoefficientBlock& block) {
 
 void CoefficientModels::Encode(RangeEncoder& coder, const CoefficientBlock& block) {
   Writing writing{coder};
-  Code(writing, const_cast<CoefficientBlock&>(block));  // Writing changes nothing
+  Code(writing, block);
 }
 
 void CoefficientModels::Decode(RangeDecoder& coder, CoefficientBlock& block) {

@@ -42,6 +42,9 @@ struct CoefficientBlock {
   }
 };
 
+/// All zero.
+CoefficientBlock MakeBlock(int side, int channels, bool triangular);
+
 /// Codes blocks of one kind one after the other: for each channel how many diagonals (row + column)
 /// hold anything, then their coefficients, low frequencies first. Probabilities depend on the
 /// magnitudes of five neighbours of lower frequency, on the diagonal, and on the first channel's
@@ -56,10 +59,10 @@ class CoefficientModels {
 
  private:
   static constexpr int kChannelClasses = 4, kDiagonalClasses = 8, kNeighborClasses = 8;
-  template <typename Coder>
-  void Code(Coder& coder, CoefficientBlock& block);
-  template <typename Coder>
-  void CodeValue(Coder& coder, int channel, int row, int column, CoefficientBlock& block);
+  template <typename Coder, typename Block>
+  void Code(Coder& coder, Block& block);
+  template <typename Coder, typename Block>
+  void CodeValue(Coder& coder, int channel, int row, int column, Block& block);
 
   std::array<NumberModels, 3> diagonals_;
   std::array<std::array<std::array<BitModel, kNeighborClasses>, kDiagonalClasses>, kChannelClasses>

@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "core/error.h"
-#include "core/image_metrics.h"
 #include "core/parallel.h"
 #include "encode/gutters.h"
 #include "encode/mean_view.h"
+#include "encode/model_error.h"
 #include "encode/model_layout.h"
 #include "encode/nonnegative_terms.h"
 #include "encode/term_selection.h"
@@ -76,11 +76,6 @@ TermCosts Costs(const LightFieldSource& source, std::span<const int> edge_sample
   return costs;
 }
 
-double MatrixPsnr(double squared_error, int64_t entries) {
-  return entries == 0 ? 99
-                      : PsnrFromMse(255.0 * 255.0 * squared_error / static_cast<double>(entries));
-}
-
 // Layouts leave gaps, so the budget of the maps is met by trial.
 std::vector<int> TermsForMegabytes(const LightFieldSource& source,
                                    std::span<const int> edge_samples, const TermCosts& costs,
@@ -123,9 +118,10 @@ std::vector<int> ChooseTerms(const LightFieldSource& source, std::span<const int
   std::vector<int> terms = TermsForError(costs, allowed);
   if (costs.SquaredError(terms) > allowed) {
     char text[160];
-    std::snprintf(
-        text, sizeof text, "%d terms reach %.1f dB of the %g dB asked for; raise --max-terms",
-        options.max_terms, MatrixPsnr(costs.SquaredError(terms), entries), options.target_db);
+    std::snprintf(text, sizeof text,
+                  "%d terms reach %.1f dB of the %g dB asked for; raise --max-terms",
+                  options.max_terms, ModelError{costs.SquaredError(terms), entries}.psnr_db(),
+                  options.target_db);
     progress.Note(text);
   }
   return terms;
@@ -155,8 +151,8 @@ void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource&
     share /= static_cast<double>(std::max<int64_t>(1, with_energy));
   }
   result.terms_mean = static_cast<double>(terms) / static_cast<double>(vertices.size());
-  result.matrix_psnr_db = MatrixPsnr(error, entries);
-  result.matrix_psnr_mean_only_db = MatrixPsnr(energy, entries);
+  result.matrix_psnr_db = ModelError{error, entries}.psnr_db();
+  result.matrix_psnr_mean_only_db = ModelError{energy, entries}.psnr_db();
   result.maps_bytes = result.model.MapsBytes();
   result.compression_ratio =
       static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
@@ -226,8 +222,7 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   if (options.transport_db > 0 && !FitsTransportForm(result.model)) {
     progress.Note("the model is too large for the transport form: no model.lfz");
   } else if (options.transport_db > 0) {
-    result.transport =
-        EncodeTransport(result.model, {options.transport_db}, &result.transport_sizes);
+    result.transport = EncodeTransport(result.model, {options.transport_db});
   }
   return result;
 }

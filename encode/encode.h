@@ -83,7 +83,7 @@ struct EncodeResult {
   int64_t maps_bytes = 0;
   double compression_ratio = 0;  ///< dense_bytes / maps_bytes
   /// The quantised model against the resampled light field, 1.0 being the peak: over all vertex
-  /// matrices F^v (hat-weighted, mean view removed, all grid directions alike, guessed ones too),
+  /// matrices F^v (hat-weighted, all grid directions alike, guessed ones too),
   /// mean squared error weighted by their number of entries (rows of triangles that some
   /// photograph saw, times 3N); -10 log10 of it, 99 at most.
   /// This is the paper's "weighted average over all light field matrices" (Section 6.2); being
@@ -92,13 +92,12 @@ struct EncodeResult {
   double matrix_psnr_mean_only_db = 0;       ///< the same for the mean view alone
   std::vector<double> singular_value_share;  ///< mean share of energy, a term of the model each
   int unseen_triangles = 0;                  ///< filled from their neighbours
-  std::string transport;                     ///< the model in transport form; may be empty
-  TransportSizes transport_sizes;            ///< where its bytes go
+  EncodedTransport transport;                ///< the model in transport form; may be empty
   int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
 };
 
-/// Factorises every vertex light field (PCA of the hat-weighted blocks, in factored form),
-/// quantises in closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
+/// Factorises every vertex light field (its hat-weighted blocks, in factored form), quantises in
+/// closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
 /// the maps, in memory and in transport form. Two runs give the same bytes, whatever the number of
 /// threads. Memory: the model, the 8-bit maps of all terms that may be chosen, and one vertex ring
 /// a thread.

@@ -18,20 +18,19 @@ constexpr int kMaxCount = std::numeric_limits<int>::max();
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
   const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
   const std::filesystem::path transport_file = folder / "model.lfz";
-  if (result.transport.empty()) {
+  if (result.transport.bytes.empty()) {
     std::error_code ignored;  // what cannot be removed is not read either
     std::filesystem::remove(transport_file, ignored);
   } else {
-    WriteFileAtomically(transport_file, result.transport);
+    WriteFileAtomically(transport_file, result.transport.bytes);
   }
-  const TransportSizes& sizes = result.transport_sizes;
   const nlohmann::json figures = {{"terms_mean", result.terms_mean},
                                   {"terms_max", result.terms_max},
                                   {"vertices_by_terms", result.vertices_by_terms},
                                   {"model_bytes", model_bytes},
-                                  {"transport_bytes", sizes.total},
-                                  {"transport_geometry_bytes", sizes.geometry},
-                                  {"transport_mean_bytes", sizes.mean},
+                                  {"transport_bytes", result.transport.bytes.size()},
+                                  {"transport_geometry_bytes", result.transport.geometry_bytes},
+                                  {"transport_mean_bytes", result.transport.mean_bytes},
                                   {"maps_bytes", result.maps_bytes},
                                   {"compression_ratio", result.compression_ratio},
                                   {"matrix_psnr_db", result.matrix_psnr_db},
@@ -58,11 +57,11 @@ EncodeResult LoadEncode(const std::filesystem::path& folder) {
     result.vertices_by_terms.push_back(static_cast<int>(count));
   }
   result.model_bytes = static_cast<int64_t>(reader.Number("model_bytes"));
-  TransportSizes& sizes = result.transport_sizes;
-  sizes.total = static_cast<int64_t>(reader.Number("transport_bytes"));
-  sizes.geometry = static_cast<int64_t>(reader.Number("transport_geometry_bytes"));
-  sizes.mean = static_cast<int64_t>(reader.Number("transport_mean_bytes"));
-  if (sizes.total > 0) result.transport = ReadFile(folder / "model.lfz");
+  EncodedTransport& transport = result.transport;
+  const bool has_transport = reader.Number("transport_bytes") > 0;
+  transport.geometry_bytes = static_cast<int64_t>(reader.Number("transport_geometry_bytes"));
+  transport.mean_bytes = static_cast<int64_t>(reader.Number("transport_mean_bytes"));
+  if (has_transport) transport.bytes = ReadFile(folder / "model.lfz");
   result.maps_bytes = static_cast<int64_t>(reader.Number("maps_bytes"));
   result.compression_ratio = reader.Number("compression_ratio");
   result.matrix_psnr_db = reader.Number("matrix_psnr_db");

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "encode/product_kernels.h"
+#include "encode/shared_samples.h"
 
 namespace lfm {
 namespace {
@@ -112,8 +113,7 @@ VertexOperator BuildVertexOperator(const LightFieldSource& source, int vertex,
   LightField::WeightBuffer buffer;
   float max_abs = 0;
   for (const int triangle : triangles) {
-    const Eigen::Vector3i& corners = source.mesh.triangles[triangle];
-    const int corner = corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+    const int corner = CornerOf(source.mesh.triangles[triangle], vertex);
     f.blocks.push_back(BuildBlock(source, triangle, corner, mean(triangle), buffer));
     f.blocks.back().first_row = f.rows;
     f.rows += f.blocks.back().samples;

@@ -28,9 +28,9 @@ std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
                 static_cast<double>(result.maps_bytes) * 1e-6, result.matrix_psnr_db,
                 result.matrix_psnr_mean_only_db, static_cast<double>(model_bytes) * 1e-6);
   std::string text = line;
-  if (!result.transport.empty()) {
+  if (!result.transport.bytes.empty()) {
     std::snprintf(line, sizeof line, ", model.lfz %.2f MB",
-                  static_cast<double>(result.transport_sizes.total) * 1e-6);
+                  static_cast<double>(result.transport.bytes.size()) * 1e-6);
     text += line;
   }
   return text;

@@ -42,10 +42,6 @@ void ReadPatch(const Image& page, const PatchPlacement& placement, int first, in
   }
 }
 
-int CornerOf(const Eigen::Vector3i& corners, int vertex) {
-  return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
-}
-
 void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int term,
                LightFieldModel& model) {
   const size_t range = term * model.vertex_frames.size() + vertex;

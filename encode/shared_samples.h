@@ -14,6 +14,11 @@ int EdgeSampleIndex(int n, int edge, int step);
 /// Index of the sample at a corner.
 int CornerSampleIndex(int n, int corner);
 
+/// Which corner of a triangle of its ring the vertex is.
+inline int CornerOf(const Eigen::Vector3i& corners, int vertex) {
+  return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
+}
+
 /// One triangle's side of a shared edge.
 struct EdgeUse {
   int patch = 0;          ///< index into the list of patches

@@ -2,7 +2,6 @@
 #include "encode/term_selection.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace lfm {
@@ -54,9 +53,11 @@ std::vector<int> Descend(const TermCosts& costs, const VertexRings& rings, doubl
   return terms;
 }
 
-// The last lambda (on a logarithmic scale, from no terms towards all) that `fits`.
+enum class Wanted { kFewestTerms, kMostTerms };
+
+// The fewest or the most terms, as lambda goes, that `fits`.
 template <typename Fits>
-std::vector<int> Search(const TermCosts& costs, bool fewest, const std::vector<int>& fallback,
+std::vector<int> Search(const TermCosts& costs, Wanted wanted, const std::vector<int>& fallback,
                         const Fits& fits) {
   const VertexRings rings = ComputeVertexRings(costs.mesh);
   const std::vector<int> all = AllTerms(costs);
@@ -71,7 +72,7 @@ std::vector<int> Search(const TermCosts& costs, bool fewest, const std::vector<i
     const std::vector<int> terms = Descend(costs, rings, std::exp(middle), all);
     const bool fitting = fits(terms);
     if (fitting) best = terms;
-    (fitting == fewest ? low : high) = middle;
+    (fitting == (wanted == Wanted::kFewestTerms) ? low : high) = middle;
   }
   return best;
 }
@@ -118,13 +119,13 @@ std::vector<int> TermsForLambda(const TermCosts& costs, double lambda) {
 }
 
 std::vector<int> TermsForError(const TermCosts& costs, double squared_error) {
-  return Search(costs, true, AllTerms(costs), [&](const std::vector<int>& terms) {
+  return Search(costs, Wanted::kFewestTerms, AllTerms(costs), [&](const std::vector<int>& terms) {
     return costs.SquaredError(terms) <= squared_error;
   });
 }
 
 std::vector<int> TermsForBytes(const TermCosts& costs, int64_t bytes) {
-  return Search(costs, false, std::vector<int>(costs.entries.size(), 0),
+  return Search(costs, Wanted::kMostTerms, std::vector<int>(costs.entries.size(), 0),
                 [&](const std::vector<int>& terms) { return costs.Bytes(terms) <= bytes; });
 }
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "encode/model.h"
 
@@ -20,10 +19,10 @@ struct TransportOptions {
   double psnr_db = 52;
 };
 
-/// Where the bytes go.
-struct TransportSizes {
-  int64_t total = 0, geometry = 0, mean = 0;
-  std::vector<int64_t> terms;  ///< of each term
+/// The stream, and how much of it is geometry and mean view.
+struct EncodedTransport {
+  std::string bytes;
+  int64_t geometry_bytes = 0, mean_bytes = 0;
 };
 
 /// Whether the model is not too large for the form: 4 million vertices, 8 million triangles, 2^28
@@ -39,18 +38,24 @@ bool FitsTransportForm(const LightFieldModel& model);
 ///
 /// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent
 /// or does not fit, or a PSNR out of range.
-std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
-                            TransportSizes* sizes = nullptr);
+EncodedTransport EncodeTransport(const LightFieldModel& model, const TransportOptions& options);
+
+/// A model, and how many parts of its stream were not there.
+struct DecodedModel {
+  LightFieldModel model;
+  int parts_missing = 0;
+};
 
 /// The run-time form: maps made continuous, quantised to 8 bits and tiled as Encode does. Any
-/// prefix that holds the mean view is a model: `parts_missing`, when given, says how many parts of
-/// the stream were not there. Throws Error, beginning with `name`, for what is damaged, hostile, or
-/// ends before that.
-LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
-                                int* parts_missing = nullptr);
+/// prefix that holds the mean view is a model. Throws Error, beginning with `name`, for what is
+/// damaged, hostile, or ends before that.
+DecodedModel DecodeTransport(std::string_view bytes, const std::string& name);
+
+/// What to tell the user of a file with parts missing.
+std::string CutOffNote(const std::filesystem::path& file, const DecodedModel& decoded);
 
 /// Reads a model in either form: a .glb, or the transport form, told apart by their first bytes.
 /// Throws Error as ReadGlb and DecodeTransport do.
-LightFieldModel ReadModel(const std::filesystem::path& file, int* parts_missing = nullptr);
+DecodedModel ReadModel(const std::filesystem::path& file);
 
 }  // namespace lfm

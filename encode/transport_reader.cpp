@@ -190,11 +190,6 @@ Eigen::MatrixXf Dequantized(const CoefficientBlock& block, int channel, float st
   return coefficients;
 }
 
-CoefficientBlock EmptyBlock(int side, int channels, bool triangular) {
-  return {side, channels, triangular,
-          std::vector<int>(static_cast<size_t>(channels) * side * side, 0)};
-}
-
 std::vector<std::vector<float>> DecodeMean(Stream stream, const Frame& frame,
                                            const MapTransform& transform) {
   const float step = TakeStep(stream);
@@ -205,19 +200,16 @@ std::vector<std::vector<float>> DecodeMean(Stream stream, const Frame& frame,
   std::array<CoefficientModels, transport::kSizeClasses> models;
   for (int t = 0; t < static_cast<int>(means.size()); ++t) {
     const int n = frame.edge_samples[t];
-    CoefficientBlock block = EmptyBlock(n, 3, true);
+    CoefficientBlock block = MakeBlock(n, 3, true);
     models[transport::SizeClass(n)].Decode(coder, block);
     stream.Require(!coder.overrun(), "its mean view is too short");
     Eigen::MatrixXf opponent(PatchSampleCount(n), 3);
-    Eigen::Vector3f offset;
     for (int c = 0; c < 3; ++c) {
       transform.FromTriangle(n, Dequantized(block, c, step),
                              std::span(opponent.col(c).data(), opponent.rows()));
-      offset[c] =
-          step * static_cast<float>(block.At(c, 0, 0)) * std::sqrt(2.F) / static_cast<float>(n);
     }
     const Eigen::Vector3f predicted = transport::PredictMean(neighbors[t], t, colors);
-    colors[t] = predicted + OpponentColors() * offset;
+    colors[t] = predicted + transport::MeanOffset(block, step);
     const Eigen::MatrixXf rgb =
         (opponent * OpponentColors().transpose()).rowwise() + predicted.transpose();
     means[t].resize(static_cast<size_t>(rgb.size()));
@@ -265,7 +257,7 @@ class ChunkReader {
     float* patch = surface.data();
     for (size_t i = 0; i < ring.triangles.size(); ++i) {
       const int n = ring.edge_samples[i];
-      CoefficientBlock block = EmptyBlock(n, 1, true);
+      CoefficientBlock block = MakeBlock(n, 1, true);
       models.surface[transport::SizeClass(n)].Decode(coder, block);
       const std::span<float> values(patch, static_cast<size_t>(PatchSampleCount(n)));
       transform_.FromTriangle(n, Dequantized(block, 0, step * scale), values);
@@ -276,7 +268,7 @@ class ChunkReader {
       patch += values.size();
     }
     MakeContinuous(ring.shared, 1, patches);
-    CoefficientBlock block = EmptyBlock(frame_.grid, 3, false);
+    CoefficientBlock block = MakeBlock(frame_.grid, 3, false);
     models.view.Decode(coder, block);
     Eigen::MatrixXf opponent(frame_.grid * frame_.grid, 3);
     for (int c = 0; c < 3; ++c) {
@@ -333,8 +325,7 @@ std::vector<std::vector<TermMaps>> DecodeTerms(const std::string& name, const Pa
 
 }  // namespace
 
-LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
-                                int* parts_missing) {
+DecodedModel DecodeTransport(std::string_view bytes, const std::string& name) {
   const Parts parts = FindParts({bytes, name});
   const Frame frame = DecodeGeometry({parts.geometry, name});
   ValidateMesh(frame.mesh, name.c_str());
@@ -357,17 +348,20 @@ LightFieldModel DecodeTransport(std::string_view bytes, const std::string& name,
   ParallelFor(0, static_cast<int64_t>(maps.size()), [&](int64_t v) {
     WriteVertexTerms(rings[v].triangles, maps[v], static_cast<int>(v), model);
   });
-  if (parts_missing != nullptr) *parts_missing = parts.missing;
   ValidateModel(model, name);
-  return FillGutters(std::move(model));
+  return {FillGutters(std::move(model)), parts.missing};
 }
 
-LightFieldModel ReadModel(const std::filesystem::path& file, int* parts_missing) {
+std::string CutOffNote(const std::filesystem::path& file, const DecodedModel& decoded) {
+  return file.string() + " is cut off: " + std::to_string(decoded.parts_missing) +
+         " of its parts are missing, finer terms of some places";
+}
+
+DecodedModel ReadModel(const std::filesystem::path& file) {
   const std::string bytes = ReadFile(file);
   const std::string_view magic(transport::kMagic.data(), transport::kMagic.size());
-  if (bytes.starts_with(magic)) return DecodeTransport(bytes, file.string(), parts_missing);
-  if (parts_missing != nullptr) *parts_missing = 0;
-  return ReadGlbBytes(bytes, file.string());
+  if (bytes.starts_with(magic)) return DecodeTransport(bytes, file.string());
+  return {ReadGlbBytes(bytes, file.string()), 0};
 }
 
 }  // namespace lfm

@@ -16,8 +16,7 @@ std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& ed
       const int triangle = rings.triangles[e];
       ring.triangles.push_back(triangle);
       ring.edge_samples.push_back(edge_samples[triangle]);
-      const Eigen::Vector3i& own = mesh.triangles[triangle];
-      ring.corners.push_back(own[0] == v ? 0 : own[1] == v ? 1 : 2);
+      ring.corners.push_back(CornerOf(mesh.triangles[triangle], static_cast<int>(v)));
       ring.samples += PatchSampleCount(edge_samples[triangle]);
       corners.push_back(mesh.triangles[triangle]);
     }
@@ -43,6 +42,13 @@ Eigen::Vector3f PredictMean(const Eigen::Vector3i& neighbors, int triangle,
   }
   if (count > 0) return sum / static_cast<float>(count);
   return triangle > 0 ? colors[triangle - 1] : Eigen::Vector3f(0.5F, 0.5F, 0.5F);
+}
+
+Eigen::Vector3f MeanOffset(const CoefficientBlock& block, float step) {
+  const Eigen::Vector3f constant(static_cast<float>(block.At(0, 0, 0)),
+                                 static_cast<float>(block.At(1, 0, 0)),
+                                 static_cast<float>(block.At(2, 0, 0)));
+  return OpponentColors() * constant * (step * std::sqrt(2.F) / static_cast<float>(block.side));
 }
 
 }  // namespace lfm::transport

@@ -115,4 +115,7 @@ struct TermModels {
 Eigen::Vector3f PredictMean(const Eigen::Vector3i& neighbors, int triangle,
                             const std::vector<Eigen::Vector3f>& colors);
 
+/// How far a mean view's colour lies from what it was predicted from: its constant coefficients.
+Eigen::Vector3f MeanOffset(const CoefficientBlock& block, float step);
+
 }  // namespace lfm::transport

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <optional>
 
 #include "core/error.h"
@@ -31,11 +30,6 @@ void QuantizeInto(const Eigen::MatrixXf& coefficients, float step, int channel,
       block.At(channel, row, column) = QuantizeCoefficient(coefficients(row, column), step);
     }
   }
-}
-
-CoefficientBlock EmptyBlock(int side, int channels, bool triangular) {
-  return {side, channels, triangular,
-          std::vector<int>(static_cast<size_t>(channels) * side * side, 0)};
 }
 
 // How many coefficients have which magnitude, in eighths of an octave: counts do not depend on the
@@ -174,14 +168,9 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
     const int n = edge_samples[t];
     const Eigen::Vector3f predicted = transport::PredictMean(neighbors[t], t, colors);
     const auto coefficients = transport::CoefficientsOfMean(model, transform, t, predicted);
-    CoefficientBlock block = EmptyBlock(n, 3, true);
-    Eigen::Vector3f offset;
-    for (int c = 0; c < 3; ++c) {
-      QuantizeInto(coefficients[c], step, c, block);
-      offset[c] =
-          step * static_cast<float>(block.At(c, 0, 0)) * std::sqrt(2.F) / static_cast<float>(n);
-    }
-    colors[t] = predicted + OpponentColors() * offset;
+    CoefficientBlock block = MakeBlock(n, 3, true);
+    for (int c = 0; c < 3; ++c) QuantizeInto(coefficients[c], step, c, block);
+    colors[t] = predicted + transport::MeanOffset(block, step);
     models[transport::SizeClass(n)].Encode(coder, block);
   }
   std::string bytes;
@@ -265,13 +254,13 @@ class TermWriter {
     for (int v = first; v < end; ++v) {
       if (!has[v - first]) continue;
       std::vector<CoefficientBlock> surface;
-      CoefficientBlock view = EmptyBlock(model_.grid, 3, false);
+      CoefficientBlock view = MakeBlock(model_.grid, 3, false);
       const auto term = Term(v, k);
       bool own = term.has_value();
       if (own) {
         bool any = false;
         for (const Eigen::MatrixXf& patch : term->surface) {
-          surface.push_back(EmptyBlock(static_cast<int>(patch.rows()), 1, true));
+          surface.push_back(MakeBlock(static_cast<int>(patch.rows()), 1, true));
           QuantizeInto(patch, step, 0, surface.back());
           any = any || AnyNonzero(surface.back());
         }
@@ -318,8 +307,7 @@ bool FitsTransportForm(const LightFieldModel& model) {
          model.grid <= 256 && work.IsBounded() && largest < transport::kMostCoordinate;
 }
 
-std::string EncodeTransport(const LightFieldModel& model, const TransportOptions& options,
-                            TransportSizes* sizes) {
+EncodedTransport EncodeTransport(const LightFieldModel& model, const TransportOptions& options) {
   if (!(options.psnr_db >= 20 && options.psnr_db <= 90)) {
     throw Error("--transport-db must lie in [20, 90]");
   }
@@ -350,24 +338,17 @@ std::string EncodeTransport(const LightFieldModel& model, const TransportOptions
                    [](const EncodedPart& a, const EncodedPart& b) { return a.worth > b.worth; });
   parts.insert(parts.begin(), {std::move(geometry.part), std::move(mean)});
 
-  std::string bytes;
+  EncodedTransport encoded;
+  encoded.geometry_bytes = static_cast<int64_t>(parts[0].bytes.size());
+  encoded.mean_bytes = static_cast<int64_t>(parts[1].bytes.size());
   transport::FileHeader header;
   header.parts = static_cast<uint32_t>(parts.size());
-  Append(bytes, header);
-  if (sizes != nullptr) {
-    *sizes = {0, static_cast<int64_t>(parts[0].bytes.size()),
-              static_cast<int64_t>(parts[1].bytes.size()),
-              std::vector<int64_t>(static_cast<size_t>(model.terms), 0)};
+  Append(encoded.bytes, header);
+  for (const EncodedPart& part : parts) {
+    Append(encoded.bytes, part.header);
+    encoded.bytes += part.bytes;
   }
-  for (size_t i = 0; i < parts.size(); ++i) {
-    Append(bytes, parts[i].header);
-    bytes += parts[i].bytes;
-    if (sizes != nullptr && i >= 2) {
-      sizes->terms[parts[i].header.term] += static_cast<int64_t>(parts[i].bytes.size());
-    }
-  }
-  if (sizes != nullptr) sizes->total = static_cast<int64_t>(bytes.size());
-  return bytes;
+  return encoded;
 }
 
 }  // namespace lfm

@@ -134,13 +134,10 @@ json EvaluateWorkspace(const Capture& capture, const Workspace& workspace, Progr
                        const fs::path& model) {
   const CalibResult calib = LoadCalibOf(capture, workspace.Stage("calib"));
   const TriangleMesh surface = ReadPlyMesh(workspace.Stage("mesh") / "surface.ply");
-  int missing = 0;
-  const ReferenceRenderer renderer(
-      ReadModel(model.empty() ? workspace.ModelFile() : model, &missing));
-  if (missing > 0) {
-    progress.Note(model.string() + " is cut off: " + std::to_string(missing) +
-                  " of its parts are missing");
-  }
+  const fs::path file = model.empty() ? workspace.ModelFile() : model;
+  DecodedModel decoded = ReadModel(file);
+  if (decoded.parts_missing > 0) progress.Note(CutOffNote(file, decoded));
+  const ReferenceRenderer renderer(std::move(decoded.model));
   const std::vector<HeldoutScores> scores = ScoreModel(
       renderer, calib, {{PhotographsOf(capture)}, SilhouettesOf(surface, calib)}, progress);
   return Figures(capture, calib, scores.front(), Foreground::kSurfaceSilhouette, progress);

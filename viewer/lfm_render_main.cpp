@@ -109,12 +109,9 @@ int main(int argc, char** argv) {
     render.evaluation = lfm::MakeEvaluationOptions(view);
     render.samples_per_side = options.supersample;
     render.background = lfm::ParseColor(view.background);
-    int missing = 0;
-    const lfm::ReferenceRenderer renderer(lfm::ReadModel(model_file, &missing));
-    if (missing > 0) {
-      progress.Note(model_file + " is cut off: " + std::to_string(missing) +
-                    " of its parts are missing, finer terms of some places");
-    }
+    lfm::DecodedModel decoded = lfm::ReadModel(model_file);
+    if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
+    const lfm::ReferenceRenderer renderer(std::move(decoded.model));
     const std::vector<lfm::PosedCamera> cameras =
         ChooseCameras(renderer.model().mesh, view, options);
     const auto render_one = [&](const lfm::PosedCamera& camera, const std::filesystem::path& file,

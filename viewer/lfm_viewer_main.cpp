@@ -17,7 +17,9 @@ int main(int argc, char** argv) {
   command.Positional("MODEL", "The model, a .glb or .lfz file.", model_file);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Window");
-  return command.Run(argc, argv, [&](lfm::Progress&) {
-    lfm::RunViewer(lfm::ReadModel(model_file), view, options);
+  return command.Run(argc, argv, [&](lfm::Progress& progress) {
+    const lfm::DecodedModel decoded = lfm::ReadModel(model_file);
+    if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
+    lfm::RunViewer(decoded.model, view, options);
   });
 }

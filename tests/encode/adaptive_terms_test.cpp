@@ -10,6 +10,7 @@
 #include "encode/encode.h"
 #include "encode/glb.h"
 #include "encode/model_evaluation.h"
+#include "tests/encode/edge_jump.h"
 #include "tests/encode/synthetic_light_field.h"
 
 namespace lfm::testing {
@@ -108,33 +109,7 @@ TEST_F(AdaptiveTerms, ComesBackFromAFile) {
 
 TEST_F(AdaptiveTerms, NoJumpAcrossEdgesWhereTermsDiffer) {
   const EncodeResult result = With({.tolerance = 1});
-  const LightFieldModel& model = result.model;
-  const auto neighbors = ComputeTriangleNeighbors(model.mesh);
-  double largest = 0;
-  for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
-    for (int e = 0; e < 3; ++e) {
-      const int other = neighbors[t][e];
-      if (other < t) continue;
-      const Eigen::Vector3i& a = model.mesh.triangles[t];
-      const Eigen::Vector3i& b = model.mesh.triangles[other];
-      for (const double along : {0.0, 0.3, 0.5, 0.8}) {
-        Eigen::Vector3d here = Eigen::Vector3d::Zero(), there = here;
-        here[e] = 1 - along;
-        here[(e + 1) % 3] = along;
-        for (int c = 0; c < 3; ++c) {
-          if (b[c] == a[e]) there[c] = 1 - along;
-          if (b[c] == a[(e + 1) % 3]) there[c] = along;
-        }
-        const Eigen::Vector3d to_eye =
-            (TriangleNormal(model.mesh, t) + TriangleNormal(model.mesh, other)).normalized();
-        largest = std::max<double>(largest, (EvaluateModel(model, t, here, to_eye) -
-                                             EvaluateModel(model, other, there, to_eye))
-                                                .cwiseAbs()
-                                                .maxCoeff());
-      }
-    }
-  }
-  EXPECT_LE(255 * largest, 1.0);
+  EXPECT_LE(LargestJumpAcrossEdges(result.model), 1.0);
 }
 
 TEST_F(AdaptiveTerms, RefusesWhatCannotBe) {

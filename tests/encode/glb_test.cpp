@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <random>
 
 #include "core/atomic_file.h"
@@ -254,6 +255,22 @@ TEST_F(Glb, SchemaListsTheKeys) {
   }
   EXPECT_EQ(schema["properties"].size(), extension.size());
   for (const std::string key : schema["required"]) EXPECT_TRUE(extension.contains(key)) << key;
+}
+
+// Places of tiles that do not fit an int, or lie to the left of their page.
+TEST_F(Glb, RefusesTilesThatOverflow) {
+  const LightFieldModel good = MakeModel(1, 6, 2);
+  EXPECT_NO_THROW(ValidateModel(good, "good"));
+  LightFieldModel tall = good;
+  tall.view_tiles_per_row = 1;
+  tall.view_tiles_per_page = std::numeric_limits<int>::max();
+  EXPECT_THROW(ValidateModel(tall, "tall"), Error);
+  LightFieldModel wide = good;
+  wide.view_tiles_per_row = wide.view_tiles_per_page = std::numeric_limits<int>::max();
+  EXPECT_THROW(ValidateModel(wide, "wide"), Error);
+  LightFieldModel negative = good;
+  negative.view_slots[0] = -7;
+  EXPECT_THROW(ValidateModel(negative, "negative"), Error);
 }
 
 TEST_F(Glb, RefusesMissingKeys) {

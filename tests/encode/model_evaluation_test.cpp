@@ -7,6 +7,7 @@
 
 #include "encode/encode.h"
 #include "encode/tiling.h"
+#include "tests/encode/edge_jump.h"
 #include "tests/encode/model_oracle.h"
 #include "tests/encode/synthetic_light_field.h"
 
@@ -69,51 +70,20 @@ TEST_F(ModelEvaluation, TakesTheSamplesAtTheSamples) {
   }
 }
 
-// The jump from one triangle to the next along all edges, in 8-bit levels.
-double LargestJump(const LightFieldModel& model, int terms) {
-  const auto neighbors = ComputeTriangleNeighbors(model.mesh);
-  std::mt19937 random(2);
-  double largest = 0;
-  for (int t = 0; t < static_cast<int>(neighbors.size()); ++t) {
-    for (int e = 0; e < 3; ++e) {
-      const int other = neighbors[t][e];
-      if (other < t) continue;
-      int other_edge = 0;
-      while (model.mesh.triangles[other][other_edge] != model.mesh.triangles[t][(e + 1) % 3]) {
-        ++other_edge;
-      }
-      std::normal_distribution<double> normal;
-      const Eigen::Vector3d to_eye =
-          (Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized() +
-           TriangleNormal(model.mesh, t))
-              .normalized();
-      for (double along = 0; along <= 1; along += 1.0 / 61) {
-        Eigen::Vector3d own = Eigen::Vector3d::Zero(), their = Eigen::Vector3d::Zero();
-        own[e] = their[(other_edge + 1) % 3] = 1 - along;
-        own[(e + 1) % 3] = their[other_edge] = along;
-        const Eigen::Vector3f a = EvaluateModel(model, t, own, to_eye, {terms});
-        const Eigen::Vector3f b = EvaluateModel(model, other, their, to_eye, {terms});
-        largest = std::max<double>(largest, (a - b).cwiseAbs().maxCoeff());
-      }
-    }
-  }
-  return 255 * largest;
-}
-
 TEST_F(ModelEvaluation, EqualPatchesDoNotJumpAtAll) {
   const LightFieldModel model = MakeModel({9});
-  EXPECT_LE(LargestJump(model, 0), 1e-3);
-  EXPECT_LE(LargestJump(model, 3), 1e-3);
+  EXPECT_LE(LargestJumpAcrossEdges(model, 0), 1e-3);
+  EXPECT_LE(LargestJumpAcrossEdges(model, 3), 1e-3);
 }
 
 // Rounding alone: half a code on one side where sizes divide each other, on both sides otherwise.
 TEST_F(ModelEvaluation, DifferentPatchesJumpByRoundingOnly) {
   const LightFieldModel nested = MakeModel({5, 9, 17});
-  EXPECT_LE(LargestJump(nested, 0), 0.501);
-  EXPECT_LE(LargestJump(nested, 3), 1.0);
+  EXPECT_LE(LargestJumpAcrossEdges(nested, 0), 0.501);
+  EXPECT_LE(LargestJumpAcrossEdges(nested, 3), 1.0);
   const LightFieldModel any = MakeModel({13, 9, 5, 7, 4, 2});
-  EXPECT_LE(LargestJump(any, 0), 1.001);
-  EXPECT_LE(LargestJump(any, 3), 2.0);
+  EXPECT_LE(LargestJumpAcrossEdges(any, 0), 1.001);
+  EXPECT_LE(LargestJumpAcrossEdges(any, 3), 2.0);
 }
 
 // Completions beyond black and white cannot be stored, and need not be.
@@ -122,7 +92,7 @@ TEST_F(ModelEvaluation, DoesNotJumpWhereBlackMeetsWhite) {
       MakeModel({9}, [](const Eigen::Vector3d& p, const Eigen::Vector3d&) -> Eigen::Vector3d {
         return Eigen::Vector3d::Constant(std::sin(p.x()) * std::sin(1.3 * p.z()) > 0 ? 1 : 0);
       });
-  EXPECT_LE(LargestJump(model, 0), 1e-3);
+  EXPECT_LE(LargestJumpAcrossEdges(model, 0), 1e-3);
 }
 
 // What a GPU does: the four texels, gutters included.

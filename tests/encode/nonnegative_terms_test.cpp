@@ -93,11 +93,12 @@ TEST_F(NonnegativeTerms, ComeBackFromBothForms) {
   WriteGlb(nmf.model, file);
   const LightFieldModel glb = ReadGlb(file);
   std::remove(file.c_str());
-  const LightFieldModel lfz = DecodeTransport(nmf.transport, "model.lfz");
+  const LightFieldModel lfz = DecodeTransport(nmf.transport.bytes, "model.lfz").model;
   ASSERT_TRUE(glb.mean_in_terms && lfz.mean_in_terms);
   // Cut off, it shows the mean view rather than part of the light.
-  const LightFieldModel cut = DecodeTransport(
-      std::string_view(nmf.transport).substr(0, nmf.transport.size() - 1), "model.lfz");
+  const LightFieldModel cut =
+      DecodeTransport(nmf.transport.bytes.substr(0, nmf.transport.bytes.size() - 1), "model.lfz")
+          .model;
   EXPECT_EQ(cut.terms, 0);
   for (int t = 0; t < static_cast<int>(glb.placements.size()); t += 3) {
     const Eigen::Vector3d to_eye = TriangleNormal(glb.mesh, t);
@@ -155,8 +156,9 @@ TEST_F(NonnegativeTerms, ErrorAgainstTheLightFieldIsWhatEncodeReports) {
     EXPECT_NEAR(CompareWithLightField(field_.Source(), result.model).psnr_db(),
                 result.matrix_psnr_db, 0.01);
     const double coarse =
-        CompareWithLightField(field_.Source(),
-                              DecodeTransport(EncodeTransport(result.model, {36}), "model"))
+        CompareWithLightField(
+            field_.Source(),
+            DecodeTransport(EncodeTransport(result.model, {36}).bytes, "model").model)
             .psnr_db();
     EXPECT_LT(coarse, result.matrix_psnr_db);
     EXPECT_GT(coarse, 30);

@@ -79,7 +79,7 @@ class LfmRenderCommand : public testing::Test {
 
 TEST_F(LfmRenderCommand, DrawsTheTransportFormAndSaysWhatIsCutOff) {
   const LightFieldModel model = MakeSmoothRandomModel(1, DirectionMap::kHemiOctahedral);
-  const std::string bytes = EncodeTransport(model, {60});
+  const std::string bytes = EncodeTransport(model, {60}).bytes;
   const std::string file = scratch_.folder / "model.lfz";
   const std::vector<std::string> arguments = {file, out_, "--size", "90x70"};
   WriteFileAtomically(file, bytes);

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "encode/model.h"
+
+namespace lfm::testing {
+
+/// The largest jump from one triangle to the next along all edges, in 8-bit levels, with at most
+/// `terms` terms, each edge seen from a direction in front of it (the same in every run).
+double LargestJumpAcrossEdges(const LightFieldModel& model, int terms = 16);
+
+}  // namespace lfm::testing
