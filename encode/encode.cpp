@@ -55,6 +55,7 @@ VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_v
   const FactorizationOptions wanted = {
       .terms = HasTarget(options) ? options.max_terms : options.terms,
       .solver = options.solver,
+      .precision = options.precision,
       .guessed_weight = options.guessed_weight};
   if (options.factorization == Factorization::kPca) return FactorizeVertex(f, shared, wanted);
   const double mean_only = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
@@ -147,6 +148,13 @@ void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource&
       result.singular_value_share[k] += vertex.singular_value_share[k];
     }
   }
+  for (int first = 0; first <= result.terms_max; ++first) {
+    double of_first = 0;
+    for (size_t v = 0; v < vertices.size(); ++v) {
+      of_first += vertices[v].squared_errors[std::min(first, result.model.vertex_terms[v])];
+    }
+    result.matrix_psnr_by_terms_db.push_back(ModelError{of_first, entries}.psnr_db());
+  }
   for (double& share : result.singular_value_share) {
     share /= static_cast<double>(std::max<int64_t>(1, with_energy));
   }
@@ -171,6 +179,10 @@ void CheckOptions(const EncodeOptions& options) {
   if (options.factorization == Factorization::kNmf && options.solver == PcaSolver::kDense) {
     throw Error(
         "--solver dense finds singular values: with --factorization nmf take factored or paper");
+  }
+  if (options.precision == Precision::kDouble &&
+      (options.solver != PcaSolver::kFactored || options.factorization == Factorization::kNmf)) {
+    throw Error("--precision double is the factored PCA's: leave out --solver and --factorization");
   }
   if (options.transport_db > 0 && options.transport_db < 20) {
     throw Error("--transport-db must be 0 or lie in [20, 90]");

@@ -35,6 +35,7 @@ nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::pat
                                   {"compression_ratio", result.compression_ratio},
                                   {"matrix_psnr_db", result.matrix_psnr_db},
                                   {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
+                                  {"matrix_psnr_by_terms_db", result.matrix_psnr_by_terms_db},
                                   {"singular_value_share", result.singular_value_share},
                                   {"unseen_triangles", result.unseen_triangles}};
   WriteJson(figures, folder / "encode.json");
@@ -66,6 +67,8 @@ EncodeResult LoadEncode(const std::filesystem::path& folder) {
   result.compression_ratio = reader.Number("compression_ratio");
   result.matrix_psnr_db = reader.Number("matrix_psnr_db");
   result.matrix_psnr_mean_only_db = reader.Number("matrix_psnr_mean_only_db");
+  result.matrix_psnr_by_terms_db =
+      reader.Numbers("matrix_psnr_by_terms_db", static_cast<size_t>(result.terms_max) + 1);
   result.singular_value_share =
       reader.Numbers("singular_value_share", static_cast<size_t>(result.model.terms));
   result.unseen_triangles = reader.Integer("unseen_triangles", 0, kMaxCount);

@@ -14,6 +14,12 @@ enum class PcaSolver {
   kDense,     ///< all singular values of the formed matrix, float64: the oracle
 };
 
+/// What the factored solver computes in.
+enum class Precision {
+  kSingle,  ///< float32 with float64 sums where they are squared: within 1e-6 ||F|| of the optimum
+  kDouble,  ///< ComputePrecisePca: within 1e-10 ||F||
+};
+
 /// F / max_abs, formed by products with unit vectors: neither overflows nor underflows. `max_abs`
 /// must not be zero.
 Eigen::MatrixXf FormMatrix(const LinearMap& map);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "encode/decoded_term.h"
+#include "encode/precise_pca.h"
 #include "encode/product_kernels.h"
 #include "encode/quantization.h"
 
@@ -149,7 +150,10 @@ VertexTerms FactorizeVertex(const VertexOperator& f, const SharedSamples& shared
   result.singular_value_share.assign(options.terms, 0.0);
   const LinearMap scaled = ScaledMap(f, column_scale);
   PcaResult pca =
-      SolvePca(scaled, {.terms = options.terms, .tolerance = kPcaTolerance}, options.solver);
+      options.precision == Precision::kDouble
+          ? RoundedToFloat(ComputePrecisePca(PreciseScaledMap(f, column_scale), options.terms),
+                           f.rows, f.cols())
+          : SolvePca(scaled, {.terms = options.terms, .tolerance = kPcaTolerance}, options.solver);
   for (int k = 0; k < pca.terms && energies.scaled > 0; ++k) {
     result.singular_value_share[k] =
         pca.singular_values[k] * pca.singular_values[k] / energies.scaled;

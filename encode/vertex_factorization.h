@@ -26,6 +26,7 @@ struct VertexTerms {
 struct FactorizationOptions {
   int terms = 3;  ///< K, 0 to 16
   PcaSolver solver = PcaSolver::kFactored;
+  Precision precision = Precision::kSingle;  ///< of the factored solver
   double guessed_weight = 0.2;  ///< of directions outside the hull of the photographs, in (0, 1]
 };
 

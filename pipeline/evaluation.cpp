@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/evaluation.h"
 
-#include <memory>
-
 #include "calib/calib_files.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/ply.h"
-#include "core/ray_scene.h"
 #include "encode/glb.h"
 #include "encode/transport_form.h"
 #include "mesh/mesh_files.h"
@@ -20,17 +17,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-PictureOf PhotographsOf(const Capture& capture) {
-  const ImageLoader load = MakeImageLoader(capture);
-  return [load](const PosedImage& photo) { return ToRgb8(load(photo.file)); };
-}
-
-PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib) {
-  return [rays = std::make_shared<RayScene>(surface), &calib](const PosedImage& photo) {
-    return RenderSilhouette(*rays, calib.cameras.at(photo.camera), photo.camera_from_world);
-  };
-}
 
 // A file that the truth names for a photograph: its mask, or its picture without noise.
 PictureOf TruthPictures(const GroundTruth& truth, std::string Photo::*file) {

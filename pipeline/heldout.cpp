@@ -2,8 +2,10 @@
 #include "pipeline/heldout.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "core/error.h"
+#include "core/ray_scene.h"
 
 namespace lfm {
 namespace {
@@ -92,6 +94,17 @@ std::vector<HeldoutScores> ScoreAll(const std::function<Renderings(const PosedIm
 }
 
 }  // namespace
+
+PictureOf PhotographsOf(const Capture& capture) {
+  const ImageLoader load = MakeImageLoader(capture);
+  return [load](const PosedImage& photo) { return ToRgb8(load(photo.file)); };
+}
+
+PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib) {
+  return [rays = std::make_shared<RayScene>(surface), &calib](const PosedImage& photo) {
+    return RenderSilhouette(*rays, calib.cameras.at(photo.camera), photo.camera_from_world);
+  };
+}
 
 Image RenderPhotoCamera(const ReferenceRenderer& renderer, const CalibResult& calib,
                         const PosedImage& photo, int terms) {

@@ -10,6 +10,7 @@
 #include "core/capture.h"
 #include "core/image_metrics.h"
 #include "core/progress.h"
+#include "core/triangle_mesh.h"
 #include "viewer/reference_renderer.h"
 
 namespace lfm {
@@ -43,6 +44,11 @@ struct HeldoutPictures {
   std::vector<PictureOf> references;  ///< the photograph, 8-bit RGB; also in other forms
   PictureOf foreground;               ///< the mask (DESIGN 2): never the model's own coverage
 };
+
+/// The capture's photographs.
+PictureOf PhotographsOf(const Capture& capture);
+/// Where the dense surface is seen. Refers to `calib` later on.
+PictureOf SilhouettesOf(const TriangleMesh& surface, const CalibResult& calib);
 
 /// Renders every test photograph's camera, lens distortion included, with all terms and with the
 /// mean view alone, and compares foreground pixels. A photograph without foreground is skipped and

@@ -66,6 +66,7 @@ TEST_F(EncodeFiles, SaveAndLoadAgree) {
   EXPECT_EQ(back.compression_ratio, result.compression_ratio);
   EXPECT_EQ(back.matrix_psnr_db, result.matrix_psnr_db);
   EXPECT_EQ(back.matrix_psnr_mean_only_db, result.matrix_psnr_mean_only_db);
+  EXPECT_EQ(back.matrix_psnr_by_terms_db, result.matrix_psnr_by_terms_db);
   EXPECT_EQ(back.singular_value_share, result.singular_value_share);
   EXPECT_EQ(back.unseen_triangles, result.unseen_triangles);
 }

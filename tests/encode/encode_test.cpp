@@ -57,6 +57,16 @@ TEST(Encode, TermsBringTheHighlightsBack) {
   EXPECT_LE(total, 1.001);
 }
 
+TEST(Encode, SaysWhatFewerTermsWouldReach) {
+  const SyntheticLightField field = Glossy();
+  const EncodeResult three = Encode(field.Source(), {.terms = 3}, SilentProgress());
+  const EncodeResult two = Encode(field.Source(), {.terms = 2}, SilentProgress());
+  ASSERT_EQ(three.matrix_psnr_by_terms_db.size(), 4u);
+  EXPECT_DOUBLE_EQ(three.matrix_psnr_by_terms_db[0], three.matrix_psnr_mean_only_db);
+  EXPECT_NEAR(three.matrix_psnr_by_terms_db[2], two.matrix_psnr_db, 1e-4);
+  EXPECT_DOUBLE_EQ(three.matrix_psnr_by_terms_db[3], three.matrix_psnr_db);
+}
+
 TEST(Encode, CountsItsBytes) {
   const SyntheticLightField field = Glossy();
   const EncodeResult result = Encode(field.Source(), {.terms = 2}, SilentProgress());
@@ -195,8 +205,23 @@ TEST(Encode, EverySolverGivesTheSameModelBarRounding) {
   }
 }
 
+TEST(Encode, DoublePrecisionGivesTheSameModelBarRounding) {
+  const SyntheticLightField field = Glossy(4);
+  const EncodeOptions precise = {.terms = 2, .precision = Precision::kDouble};
+  const EncodeResult a = Encode(field.Source(), precise, SilentProgress());
+  const EncodeResult b = Encode(field.Source(), {.terms = 2}, SilentProgress());
+  EXPECT_NEAR(a.matrix_psnr_db, b.matrix_psnr_db, 0.1);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(a.singular_value_share[k], b.singular_value_share[k], 1e-5) << k;
+  }
+}
+
 TEST(Encode, RefusesOptionsOutOfRange) {
   const SyntheticLightField field = Glossy(4);
+  EXPECT_THROW(
+      Encode(field.Source(), {.solver = PcaSolver::kPaper, .precision = Precision::kDouble},
+             SilentProgress()),
+      Error);
   EXPECT_THROW(Encode(field.Source(), {.terms = 17}, SilentProgress()), Error);
   EXPECT_THROW(Encode(field.Source(), {.guessed_weight = 0}, SilentProgress()), Error);
   EXPECT_THROW(Encode(field.Source(), {.max_texture_size = 100}, SilentProgress()), Error);

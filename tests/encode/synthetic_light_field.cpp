@@ -86,7 +86,7 @@ TriangleMesh MakeSphere(int levels) {
 
 SyntheticLightField MakeLightField(const TriangleMesh& mesh, int grid, int views,
                                    const std::function<int(int triangle)>& edge_samples,
-                                   const Appearance& appearance) {
+                                   const Appearance& appearance, const ViewFilter& sees) {
   SyntheticLightField field;
   field.mesh = mesh;
   field.frames = ComputeVertexFrames(mesh);
@@ -97,7 +97,7 @@ SyntheticLightField MakeLightField(const TriangleMesh& mesh, int grid, int views
     const int n = triangle.edge_samples = edge_samples(t);
     const Eigen::Vector3d normal = TriangleNormal(mesh, t);
     for (int v = 0; v < views; ++v) {
-      if (directions[v].dot(normal) > 0.2) triangle.photos.push_back(static_cast<uint16_t>(v));
+      if (sees(directions[v].dot(normal))) triangle.photos.push_back(static_cast<uint16_t>(v));
     }
     const size_t seen = triangle.photos.size();
     triangle.values.resize(static_cast<size_t>(PatchSampleCount(n)) * 3 * seen);

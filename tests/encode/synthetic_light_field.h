@@ -35,12 +35,16 @@ TriangleMesh MakeSphere(int levels);
 using Appearance =
     std::function<Eigen::Vector3d(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye)>;
 
+/// Whether a view at this cosine from a triangle's normal sees it.
+using ViewFilter = std::function<bool(double cosine)>;
+inline bool InFront(double cosine) { return cosine > 0.2; }
+
 /// A light field of `mesh` under `views` directions spread around it (a triangle is seen by those
-/// in front of it). Triangle t has edge_samples(t) samples an edge. Grid directions blend the
-/// three nearest views with weights by distance.
+/// that `sees` lets through). Triangle t has edge_samples(t) samples an edge. Grid directions blend
+/// the three nearest views with weights by distance.
 SyntheticLightField MakeLightField(const TriangleMesh& mesh, int grid, int views,
                                    const std::function<int(int triangle)>& edge_samples,
-                                   const Appearance& appearance);
+                                   const Appearance& appearance, const ViewFilter& sees = InFront);
 
 /// A textured, glossy surface lit from above.
 Eigen::Vector3d GlossyAppearance(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye);

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/line_chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+
+namespace lfm {
+namespace {
+
+constexpr double kLeft = 70, kRight = 560, kTop = 50, kBottom = 360;
+constexpr const char* kColors[] = {"#1b6ca8", "#c0392b", "#27844a", "#8e44ad",
+                                   "#b9770e", "#16858a", "#555555", "#d35490"};
+
+std::string Print(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string Print(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+struct Axis {
+  ChartScale scale = ChartScale::kLinear;
+  double low = 0, high = 1, from_px = 0, to_px = 1;
+  double Position(double value) const {
+    return scale == ChartScale::kLinear ? value : std::log10(value);
+  }
+  double At(double value) const {
+    return from_px + (Position(value) - low) / (high - low) * (to_px - from_px);
+  }
+  bool Shows(double value) const {
+    return std::isfinite(value) && (scale == ChartScale::kLinear || value > 0);
+  }
+};
+
+Axis MakeAxis(const std::vector<double>& values, ChartScale scale, double from_px, double to_px) {
+  Axis axis{scale, std::numeric_limits<double>::infinity(),
+            -std::numeric_limits<double>::infinity(), from_px, to_px};
+  for (const double value : values) {
+    if (!axis.Shows(value)) continue;
+    axis.low = std::min(axis.low, axis.Position(value));
+    axis.high = std::max(axis.high, axis.Position(value));
+  }
+  if (!(axis.low <= axis.high)) axis.low = 0, axis.high = 1;
+  const double margin = std::max(0.05 * (axis.high - axis.low), 0.02);
+  axis.low -= margin;
+  axis.high += margin;
+  return axis;
+}
+
+std::vector<double> Ticks(const Axis& axis) {
+  std::vector<double> ticks;
+  if (axis.scale == ChartScale::kLogarithmic) {
+    for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high; ++decade) {
+      for (const double step : {1.0, 2.0, 5.0}) ticks.push_back(step * std::pow(10.0, decade));
+    }
+  } else {
+    const double rough = (axis.high - axis.low) / 6;
+    const double power = std::pow(10.0, std::floor(std::log10(rough)));
+    const double step = power * (rough < 2 * power ? 2 : rough < 5 * power ? 5 : 10);
+    for (double k = std::ceil(axis.low / step); k * step <= axis.high; ++k) {
+      ticks.push_back(k * step);
+    }
+  }
+  std::erase_if(ticks, [&](double tick) {
+    return axis.Position(tick) < axis.low || axis.Position(tick) > axis.high;
+  });
+  return ticks;
+}
+
+std::string Frame(const LineChart& chart, const Axis& x, const Axis& y) {
+  std::string svg =
+      Print("<rect x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\" fill=\"none\" stroke=\"#888\"/>\n",
+            kLeft, kTop, kRight - kLeft, kBottom - kTop);
+  for (const double tick : Ticks(x)) {
+    svg += Print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%g\" y2=\"%g\" stroke=\"#ddd\"/>\n",
+                 x.At(tick), x.At(tick), kTop, kBottom);
+    svg += Print("<text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n", x.At(tick),
+                 kBottom + 18, tick);
+  }
+  for (const double tick : Ticks(y)) {
+    svg += Print("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>\n", kLeft,
+                 kRight, y.At(tick), y.At(tick));
+    svg += Print("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kLeft - 6,
+                 y.At(tick) + 4, tick);
+  }
+  const double middle_x = (kLeft + kRight) / 2, middle_y = (kTop + kBottom) / 2;
+  svg += Print("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", middle_x, kBottom + 40);
+  svg += Escaped(chart.x_label) + "</text>\n";
+  svg +=
+      Print("<text transform=\"translate(18 %g) rotate(-90)\" text-anchor=\"middle\">", middle_y);
+  svg += Escaped(chart.y_label) + "</text>\n";
+  svg += Print("<text x=\"%g\" y=\"28\" text-anchor=\"middle\" font-size=\"15\">", middle_x);
+  return svg + Escaped(chart.title) + "</text>\n";
+}
+
+std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Axis& y) {
+  const char* color = kColors[index % std::size(kColors)];
+  std::string line = Print("<polyline fill=\"none\" stroke-width=\"2\" stroke=\"%s\" points=\"",
+                           color),
+              dots;
+  for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
+    if (!x.Shows(curve.x[i]) || !y.Shows(curve.y[i])) continue;
+    line += Print("%.1f,%.1f ", x.At(curve.x[i]), y.At(curve.y[i]));
+    dots += Print("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/>\n", x.At(curve.x[i]),
+                  y.At(curve.y[i]), color);
+  }
+  const double legend_y = kTop + 10 + 20 * static_cast<double>(index);
+  const std::string legend = Print(
+                                 "<rect x=\"%g\" y=\"%g\" width=\"14\" height=\"4\" fill=\"%s\"/>"
+                                 "<text x=\"%g\" y=\"%g\">",
+                                 kRight + 12, legend_y, color, kRight + 32, legend_y + 6) +
+                             Escaped(curve.name) + "</text>\n";
+  return line + "\"/>\n" + dots + legend;
+}
+
+}  // namespace
+
+std::string ChartToSvg(const LineChart& chart) {
+  std::vector<double> xs, ys;
+  for (const ChartCurve& curve : chart.curves) {
+    xs.insert(xs.end(), curve.x.begin(), curve.x.end());
+    ys.insert(ys.end(), curve.y.begin(), curve.y.end());
+  }
+  const Axis x = MakeAxis(xs, chart.x_scale, kLeft, kRight);
+  const Axis y = MakeAxis(ys, ChartScale::kLinear, kBottom, kTop);
+  std::string svg =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"760\" height=\"420\" "
+      "font-family=\"system-ui,sans-serif\" font-size=\"12\">\n"
+      "<rect width=\"760\" height=\"420\" fill=\"#fff\"/>\n" +
+      Frame(chart, x, y);
+  for (size_t i = 0; i < chart.curves.size(); ++i) svg += Curve(chart.curves[i], i, x, y);
+  return svg + "</svg>\n";
+}
+
+}  // namespace lfm
