@@ -36,6 +36,12 @@ bool HasTarget(const EncodeOptions& options) {
   return options.tolerance > 0 || options.target_db > 0 || options.target_mb > 0;
 }
 
+int MostTerms(const EncodeOptions& options) {
+  constexpr int kNonnegative = 3;  // they do not add up one by one: no choice a vertex
+  if (options.terms != EncodeOptions::kAsNeeded) return options.terms;
+  return options.factorization == Factorization::kNmf ? kNonnegative : options.max_terms;
+}
+
 VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_view,
                           std::span<const int> ring, int vertex, const EncodeOptions& options) {
   const auto mean = [&](int triangle) {
@@ -52,11 +58,10 @@ VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_v
     edge_samples.push_back(block.edge_samples);
   }
   const SharedSamples shared = FindSharedSamples(triangles, edge_samples);
-  const FactorizationOptions wanted = {
-      .terms = HasTarget(options) ? options.max_terms : options.terms,
-      .solver = options.solver,
-      .precision = options.precision,
-      .guessed_weight = options.guessed_weight};
+  const FactorizationOptions wanted = {.terms = MostTerms(options),
+                                       .solver = options.solver,
+                                       .precision = options.precision,
+                                       .guessed_weight = options.guessed_weight};
   if (options.factorization == Factorization::kPca) return FactorizeVertex(f, shared, wanted);
   const double mean_only = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
   const VertexOperator whole = BuildVertexOperator(source, vertex, ring, [&](int triangle) {
@@ -113,7 +118,10 @@ std::vector<int> ChooseTerms(const LightFieldSource& source, std::span<const int
     return TermsForTolerance(costs, options.tolerance / 255);
   }
   if (options.target_mb > 0) return TermsForMegabytes(source, edge_samples, costs, options);
-  if (!(options.target_db > 0)) return AllTerms(costs);
+  if (options.terms != EncodeOptions::kAsNeeded || options.factorization == Factorization::kNmf) {
+    return AllTerms(costs);
+  }
+  if (!(options.target_db > 0)) return TermsForGain(costs, options.term_gain / 255);
   const int64_t entries = std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0});
   const double allowed = static_cast<double>(entries) * std::pow(10.0, -options.target_db / 10);
   std::vector<int> terms = TermsForError(costs, allowed);
@@ -169,12 +177,14 @@ void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource&
 void CheckOptions(const EncodeOptions& options) {
   EncodeOptions checked = options;
   ValidateOptions(AnyOptions(checked));
-  if ((options.tolerance > 0) + (options.target_db > 0) + (options.target_mb > 0) > 1) {
-    throw Error("give one of --tolerance, --target-db and --target-mb");
+  if ((options.terms >= 0) + (options.tolerance > 0) + (options.target_db > 0) +
+          (options.target_mb > 0) >
+      1) {
+    throw Error("give one of --terms, --tolerance, --target-db and --target-mb");
   }
   if (options.factorization == Factorization::kNmf && HasTarget(options)) {
     throw Error(
-        "nonnegative terms do not add up one by one: with --factorization nmf give --terms");
+        "nonnegative terms do not add up one by one: with --factorization nmf give --terms alone");
   }
   if (options.factorization == Factorization::kNmf && options.solver == PcaSolver::kDense) {
     throw Error(

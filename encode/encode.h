@@ -18,8 +18,10 @@ enum class Factorization {
 };
 
 struct EncodeOptions {
+  static constexpr int kAsNeeded = -1;
   Factorization factorization = Factorization::kPca;
-  int terms = 3;
+  int terms = kAsNeeded;  ///< everywhere; kAsNeeded: by term_gain or one of the targets
+  double term_gain = 0.8;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
   PcaSolver solver = PcaSolver::kFactored;
@@ -33,28 +35,41 @@ struct EncodeOptions {
          "Terms of either sign beside the mean view (pca: less error, and the first terms "
          "alone are a model), or nonnegative ones that hold it (nmf)."},
         {"pca", "nmf"}, factorization);
-    v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
+    v.Integer({"terms",
+               "Terms K of every vertex: sharper highlights against bytes. -1: each vertex gets as "
+               "many as it needs, by --term-gain or one of the targets (nonnegative ones: 3).",
+               "", -1, 16},
+              terms);
+    v.Number(
+        {"term-gain",
+         "A vertex gets another term where that lowers the RMS error of its maps as much as "
+         "this RMS, in 8-bit levels, would alone; weighed against the bytes that the term takes "
+         "there. Less: more terms.",
+         "", 0, 255},
+        term_gain);
     v.Number(
         {"tolerance",
-         "In place of --terms: each vertex gets as few terms as keep the RMS error of its maps "
+         "In place of --term-gain: each vertex gets as few terms as keep the RMS error of its maps "
          "below this, in 8-bit levels; 0 = off.",
          "", 0, 255},
         tolerance);
     v.Number({"target-db",
-              "In place of --terms: the terms that reach this PSNR against the resampled light "
+              "In place of --term-gain: the terms that reach this PSNR against the resampled light "
               "field with the fewest bytes; 0 = off.",
               "dB", 0, 99},
              target_db);
-    v.Number({"target-mb",
-              "In place of --terms: the terms that come nearest to the resampled light field with "
-              "maps of this size in memory; 0 = off.",
-              "MB", 0, 1e6},
-             target_mb);
-    v.Integer({"max-terms",
-               "With --tolerance, --target-db or --target-mb: the most terms that a "
-               "vertex may get. Time and memory of the factorisation grow with it.",
-               "", 1, 16},
-              max_terms);
+    v.Number(
+        {"target-mb",
+         "In place of --term-gain: the terms that come nearest to the resampled light field with "
+         "maps of this size in memory; 0 = off.",
+         "MB", 0, 1e6},
+        target_mb);
+    v.Integer(
+        {"max-terms",
+         "Unless --terms says how many: the most terms that a vertex may get. Time and memory "
+         "of the factorisation grow with it.",
+         "", 1, 16},
+        max_terms);
     v.Enumeration({"solver",
                    "What finds the terms: products with the factors; the paper's power iteration; "
                    "or every singular value in double precision. The last two form each vertex's "

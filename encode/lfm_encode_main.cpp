@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
       "lfm-encode",
       "Factorises and quantises the light field: WORK/resample/light_field.lfs "
       "goes in; WORK/encode/model.glb, and the same for transport, model.lfz, come out.",
-      "lfm-encode demo/work --terms 3");
+      "lfm-encode demo/work --term-gain 0.5");
   std::string work_folder;
   command.Positional("WORK", "workspace folder", work_folder);
   lfm::EncodeOptions options;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lfm {
 namespace {
@@ -116,6 +117,15 @@ std::vector<int> TermsForTolerance(const TermCosts& costs, double rms) {
 
 std::vector<int> TermsForLambda(const TermCosts& costs, double lambda) {
   return Descend(costs, ComputeVertexRings(costs.mesh), lambda, AllTerms(costs));
+}
+
+std::vector<int> TermsForGain(const TermCosts& costs, double rms) {
+  const auto sum = [](const std::vector<int64_t>& values) {
+    return static_cast<double>(std::accumulate(values.begin(), values.end(), int64_t{0}));
+  };
+  const auto vertices = static_cast<double>(costs.entries.size());
+  const double bytes = vertices * static_cast<double>(costs.view_bytes) + sum(costs.patch_bytes);
+  return TermsForLambda(costs, bytes > 0 ? rms * rms * sum(costs.entries) / bytes : 0);
 }
 
 std::vector<int> TermsForError(const TermCosts& costs, double squared_error) {

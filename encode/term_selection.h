@@ -35,6 +35,12 @@ std::vector<int> TermsForTolerance(const TermCosts& costs, double rms);
 /// less where a neighbour has it), until nothing changes. lambda = 0: what lowers the error, alone.
 std::vector<int> TermsForLambda(const TermCosts& costs, double lambda);
 
+/// TermsForLambda with the lambda at which a term of an average vertex (its view map, and its share
+/// of the patches when its neighbours have the term too) is worth its bytes when it lowers the mean
+/// square error of the vertex's matrix by rms^2. Independent of how much of a scene is glossy: no
+/// terms where they would bring nothing but noise. rms = 0: what lowers the error, alone.
+std::vector<int> TermsForGain(const TermCosts& costs, double rms);
+
 /// Of the answers of TermsForLambda the one with the largest lambda whose squared error is at most
 /// `squared_error`; all terms where none is.
 std::vector<int> TermsForError(const TermCosts& costs, double squared_error);

@@ -30,7 +30,7 @@ lfm::CommandLine MakeCommandLine() {
       "lfm-pipeline",
       "Runs every stage from a capture to a light field and a report of how good it is. Stages "
       "whose inputs and options are unchanged are skipped.",
-      "lfm-pipeline run demo/capture --out demo/work --terms 3");
+      "lfm-pipeline run demo/capture --out demo/work --effort best");
 }
 
 }  // namespace

@@ -351,12 +351,14 @@ PipelineOptions PresetOptions(Effort effort) {
       options.mesh.poisson_depth = 7;
       options.mesh.tolerance_px = 1.0;
       options.resample.view_grid = 16;
+      options.encode.term_gain = 1.5;
+      options.encode.max_terms = 5;
       break;
     case Effort::kBalanced:
       break;
     case Effort::kBest:
       options.mesh.tolerance_px = 0.35;
-      options.encode.terms = 5;
+      options.encode.term_gain = 0.3;
       break;
   }
   return options;

@@ -54,6 +54,18 @@ TEST_F(AdaptiveTerms, MatteVerticesGetNoneGlossyOnesMore) {
   EXPECT_GT(finer.matrix_psnr_db, result.matrix_psnr_db);
 }
 
+TEST_F(AdaptiveTerms, AreTheDefault) {
+  const EncodeResult result = With({});
+  EXPECT_GT(result.vertices_by_terms[0], 10) << "the matte half";
+  EXPECT_GE(result.terms_max, 2);
+  const EncodeResult equal_mb = With({.target_mb = static_cast<double>(result.maps_bytes) * 1e-6});
+  EXPECT_GT(result.matrix_psnr_db, equal_mb.matrix_psnr_db - 0.1) << "the best for these bytes";
+  const EncodeResult more = With({.term_gain = 0.2});
+  EXPECT_GT(more.maps_bytes, result.maps_bytes);
+  EXPECT_GT(more.matrix_psnr_db, result.matrix_psnr_db);
+  EXPECT_EQ(With({.term_gain = 255}).terms_max, 0);
+}
+
 TEST_F(AdaptiveTerms, TargetsAreMet) {
   const EncodeResult fixed = With({.terms = 3});
   const EncodeResult equal_db = With({.target_db = fixed.matrix_psnr_db});
@@ -115,7 +127,10 @@ TEST_F(AdaptiveTerms, NoJumpAcrossEdgesWhereTermsDiffer) {
 TEST_F(AdaptiveTerms, RefusesWhatCannotBe) {
   EXPECT_THROW(With({.tolerance = 1, .target_db = 40}), Error);
   EXPECT_THROW(With({.target_db = 40, .target_mb = 40}), Error);
+  EXPECT_THROW(With({.terms = 3, .target_db = 40}), Error);
   EXPECT_THROW(With({.tolerance = -1}), Error);
+  EXPECT_THROW(With({.terms = -2}), Error);
+  EXPECT_THROW(With({.term_gain = -0.1}), Error);
   EXPECT_THROW(With({.target_db = 40, .max_terms = 17}), Error);
   try {
     With({.target_mb = 1e-4});

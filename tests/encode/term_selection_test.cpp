@@ -68,6 +68,18 @@ TEST(TermSelection, NeighboursShareWhatAPatchCosts) {
   EXPECT_EQ(TermsForLambda(beside, 1), (std::vector<int>{1, 1, 0})) << "7 for 5 bytes";
 }
 
+// Three vertices of 100 entries; a term takes 10 / 3 + 5 bytes on average.
+TEST(TermSelection, AGainIsWeighedByTheBytesThatATermTakes) {
+  const OneTriangle one;
+  const TermCosts alike = one.Costs({{9, 5}, {9, 5}, {9, 5}});
+  EXPECT_EQ(TermsForGain(alike, 0.19), (std::vector<int>{1, 1, 1})) << "4 = 0.2^2 * 100";
+  EXPECT_EQ(TermsForGain(alike, 0.3), (std::vector<int>{0, 0, 0}));
+  const TermCosts alone = one.Costs({{9, 5}, {0}, {0}});
+  EXPECT_EQ(TermsForGain(alone, 0.19), (std::vector<int>{0, 0, 0})) << "it pays the whole patch";
+  EXPECT_EQ(TermsForGain(alone, 0.14), (std::vector<int>{1, 0, 0})) << "15 bytes for those of 8.3";
+  EXPECT_EQ(TermsForGain(alike, 0), AllTerms(alike));
+}
+
 TEST(TermSelection, LeapsOverATermThatBringsNothing) {
   const OneTriangle one;
   const TermCosts costs = one.Costs({{100, 100, 1}, {0}, {0}});
