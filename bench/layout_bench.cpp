@@ -3,8 +3,9 @@
 // Every EVERY-th vertex light field of an object (40) is taken apart in float64, without
 // quantisation: with monochrome surface maps and RGB view maps (M x 3N: the layout that Table 2 of
 // Chen 2002 implies), the transpose (3M x N), separate channels (M x N three times), and with view
-// maps out of a dictionary that all vertices share (the leading directions of all view maps; its
-// bytes count). Terms are given to vertices by what they bring a byte. Prints PSNR at equal bytes.
+// maps out of a dictionary that all vertices share (the leading directions of the RGB view maps of
+// as many other vertices; its bytes count). Terms are given to vertices by what they bring a byte.
+// Prints PSNR at equal bytes.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -56,7 +57,7 @@ void AddTerms(const Matrix& gram, double bytes, std::vector<Term>& terms) {
 /// The light field matrices of every so many vertices.
 class VertexSample {
  public:
-  VertexSample(const LightFieldSource& source, int every)
+  VertexSample(const LightFieldSource& source, int first, int every)
       : source_(source), rings_(ComputeVertexRings(source.mesh)) {
     std::vector<int> edge_samples;
     for (size_t t = 0; t < source.mesh.triangles.size(); ++t) {
@@ -64,7 +65,7 @@ class VertexSample {
     }
     mean_ = ComputeMeanView(source, FindSharedSamples(source.mesh.triangles, edge_samples), 1,
                             SilentProgress());
-    for (size_t v = 0; v < source.mesh.vertices.size(); v += every) {
+    for (size_t v = first; v < source.mesh.vertices.size(); v += every) {
       vertices_.push_back(static_cast<int>(v));
     }
   }
@@ -124,6 +125,13 @@ VertexTerms TakeApart(const Matrix& f) {
   return result;
 }
 
+std::vector<VertexTerms> TakeApart(const VertexSample& sample) {
+  std::vector<VertexTerms> vertices(sample.size());
+  ParallelFor(0, static_cast<int64_t>(sample.size()),
+              [&](int64_t i) { vertices[i] = TakeApart(sample.Of(i)); });
+  return vertices;
+}
+
 double PsnrAt(const Layout& layout, double bytes_a_vertex, double vertices, double energy,
               double entries) {
   std::vector<Term> order = layout.terms;
@@ -155,10 +163,9 @@ Matrix CommonDirections(const std::vector<VertexTerms>& vertices) {
 void Compare(const std::string& work, int every) {
   const LightField light_field = LightField::Open(work + "/resample/light_field.lfs");
   const LightFieldSource source = SourceFromLightField(light_field);
-  const VertexSample sample(source, every);
-  std::vector<VertexTerms> vertices(sample.size());
+  const VertexSample sample(source, 0, every), others(source, every / 2, every);
+  const std::vector<VertexTerms> vertices = TakeApart(sample);
   const auto count = static_cast<int64_t>(sample.size());
-  ParallelFor(0, count, [&](int64_t i) { vertices[i] = TakeApart(sample.Of(i)); });
   std::vector<Layout> layouts = {{"monochrome surface maps, RGB view maps", {}},
                                  {"RGB surface maps, monochrome view maps", {}},
                                  {"separate channels", {}}};
@@ -171,7 +178,7 @@ void Compare(const std::string& work, int every) {
       layouts[i].terms.insert(layouts[i].terms.end(), terms[i]->begin(), terms[i]->end());
     }
   }
-  const Matrix directions = CommonDirections(vertices);
+  const Matrix directions = CommonDirections(TakeApart(others));
   for (const int size : kDictionaries) {
     Layout layout{"view maps out of " + std::to_string(size) + " shared ones", {}, 0};
     layout.shared_bytes = static_cast<double>(size) * static_cast<double>(directions.rows()) /
@@ -207,7 +214,7 @@ void Compare(const std::string& work, int every) {
 
 int main(int argc, char** argv) {
   const int every = argc == 3 ? std::atoi(argv[2]) : 40;
-  if (argc < 2 || argc > 3 || every < 1) {
+  if (argc < 2 || argc > 3 || every < 2) {
     std::fprintf(stderr, "usage: lfm-bench-layout WORK [EVERY]\n");
     return 2;
   }
