@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -13,6 +14,7 @@
 #include "encode/glb.h"
 #include "encode/glb_container.h"
 #include "encode/glb_format.h"
+#include "encode/png_header.h"
 
 namespace lfm {
 namespace {
@@ -21,7 +23,6 @@ using nlohmann::json;
 
 constexpr int64_t kMaxTexels = int64_t{1} << 28;  // of all pages together: 0.8 GB
 constexpr float kMaxRange = 1e6f;                 // of a map's values; products stay finite
-constexpr size_t kPngHeaderBytes = 29;            // signature, IHDR length, name and content
 
 // The document with its file's name, for messages.
 struct Document {
@@ -172,26 +173,18 @@ struct PendingPage {
   Eigen::Vector2i size = {0, 0};
 };
 
-int BigEndian(const char* bytes) {
-  int64_t value = 0;
-  for (int i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
-  return static_cast<int>(std::min<int64_t>(value, kAnyIndex));
-}
-
 PendingPage FindPage(const Document& doc, const json& index) {
   doc.Require(index.is_number_unsigned() && index.get<uint64_t>() <= uint64_t{kAnyIndex},
               "an image index is not a small integer");
   const json& image = Element(doc, "images", index.get<int64_t>());
   PendingPage page{BufferView(doc, image)};
-  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
-  const bool is_png = page.png.size() > kPngHeaderBytes && page.png.starts_with(kSignature) &&
-                      page.png.substr(12, 4) == "IHDR";
-  doc.Require(is_png, "an image is not a PNG");
-  const char* header = page.png.data() + 16;
-  page.size = {BigEndian(header), BigEndian(header + 4)};
-  doc.Require(header[8] == 8 && header[9] == 2, "an image is not 8-bit RGB");
-  doc.Require(page.size.minCoeff() >= 1 && page.size.maxCoeff() <= glb::kMaxTextureSize,
+  const std::optional<PngHeader> header = ReadPngHeader(page.png);
+  doc.Require(header.has_value(), "an image is not a PNG");
+  doc.Require(header->bit_depth == 8 && header->channels == 3, "an image is not 8-bit RGB");
+  doc.Require(std::min(header->width, header->height) >= 1 &&
+                  std::max(header->width, header->height) <= glb::kMaxTextureSize,
               "an image is larger than 16384 texels a side");
+  page.size = {static_cast<int>(header->width), static_cast<int>(header->height)};
   return page;
 }
 

@@ -4,20 +4,50 @@
 #include <string>
 
 #include "core/command_line.h"
+#include "core/error.h"
 #include "core/image.h"
 #include "core/output_folder.h"
+#include "encode/afx.h"
 #include "encode/encode.h"
 #include "encode/encode_files.h"
 #include "encode/encode_pictures.h"
 
 namespace {
 
+/// What MPEG-4 AFX is written with.
+enum class Afx { kOff, kDisc, kAsTheyAre };
+
 struct OutputOptions {
   bool pictures = false;
+  Afx afx = Afx::kOff;
+  int afx_light_maps = lfm::AfxOptions{}.light_maps_per_term;
   void Declare(lfm::OptionVisitor& v) {
     v.Flag({"pictures", "Also write pictures of the maps to WORK/encode/pictures."}, pictures);
+    v.Enumeration({"afx",
+                   "Also write the model as MPEG-4 AFX: WORK/encode/model.wrl, pictures in "
+                   "model_afx. View maps are brought onto the disc that AFX has (disc), or kept "
+                   "in a form that only lfm reads (as-is)."},
+                  {"off", "disc", "as-is"}, afx);
+    v.Integer({"afx-light-maps",
+               "Light maps that --afx splits each term into: AFX has one scale and bias for all "
+               "maps of a light map, so more lose less.",
+               "", 1, 16},
+              afx_light_maps);
   }
 };
+
+std::string WriteAfx(const lfm::LightFieldModel& model, const OutputOptions& output,
+                     const std::filesystem::path& folder) {
+  const lfm::AfxOptions options = {.view_maps = output.afx == Afx::kDisc
+                                                    ? lfm::AfxViewMaps::kDisc
+                                                    : lfm::AfxViewMaps::kAsTheyAre,
+                                   .light_maps_per_term = output.afx_light_maps};
+  const int64_t bytes = lfm::SaveAfx(lfm::WriteAfxForm(lfm::AfxForm(model, options)), folder);
+  char text[80];
+  std::snprintf(text, sizeof text, "model.wrl and its pictures %.1f MB",
+                static_cast<double>(bytes) * 1e-6);
+  return text;
+}
 
 std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
   char line[320];
@@ -52,12 +82,22 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const std::filesystem::path work = work_folder;
+    if (output.afx != Afx::kOff && options.factorization == lfm::Factorization::kNmf) {
+      throw lfm::Error(
+          "--afx: nonnegative terms hold the mean view, which AFX would add twice; take "
+          "--factorization pca");
+    }
     lfm::RequireWritableFolder(work / "encode");
     const lfm::EncodeResult result = lfm::Encode(
         lfm::LightField::Open(work / "resample" / "light_field.lfs"), options, progress);
     const int64_t model_bytes =
         lfm::SaveEncode(result, work / "encode").at("model_bytes").get<int64_t>();
     progress.Note(Figures(result, model_bytes));
+    if (output.afx == Afx::kOff) {
+      lfm::RemoveAfx(work / "encode");  // an earlier model's
+    } else {
+      progress.Note(WriteAfx(result.model, output, work / "encode"));
+    }
     if (!output.pictures) return;
     for (const lfm::EncodePicture& picture :
          lfm::DrawEncodePictures(result.model, result.singular_value_share)) {

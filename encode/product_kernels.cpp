@@ -237,14 +237,19 @@ struct Kernels {
   constexpr Kernels k##NAME = {Product##NAME, ToViews##NAME, ToDirections##NAME, Gram##NAME, \
                                Descend##NAME};
 
+// Clang 14, which builds the fuzz targets, cannot ask for a level of the instruction set.
+#if defined(__x86_64__) && !defined(__clang__)
+#define LFM_KERNEL_LEVELS
+#endif
+
 LFM_COMPILE_KERNELS(Baseline, , Float8, 4)
-#if defined(__x86_64__)
+#ifdef LFM_KERNEL_LEVELS
 LFM_COMPILE_KERNELS(Avx2, __attribute__((target("arch=x86-64-v3"))), Float8, 4)
 LFM_COMPILE_KERNELS(Avx512, __attribute__((target("arch=x86-64-v4"))), Float16, 8)
 #endif
 
 const Kernels& Best() {
-#if defined(__x86_64__)
+#ifdef LFM_KERNEL_LEVELS
   static const Kernels& best = __builtin_cpu_supports("x86-64-v4")   ? kAvx512
                                : __builtin_cpu_supports("x86-64-v3") ? kAvx2
                                                                      : kBaseline;

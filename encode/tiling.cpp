@@ -162,7 +162,12 @@ PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int>
                 " texels; raise --max-texture-size");
   }
   const std::vector<Rectangle> rectangles = PairTriangles(edge_samples, terms);
-  for (int pages = 1;; ++pages) {
+  int64_t area = 0;
+  for (const Rectangle& rectangle : rectangles) area += rectangle.area();
+  // Fewer pages than this cannot hold them.
+  const int64_t least_pages =
+      std::max<int64_t>(1, area / (int64_t{max_texture_size} * max_texture_size));
+  for (int pages = static_cast<int>(least_pages);; ++pages) {
     layout.page_sizes.clear();
     layout.term_page_sizes.assign(rectangles.front().terms, {});
     const auto runs = SplitRectangles(rectangles, pages);

@@ -54,8 +54,8 @@ DecodedModel DecodeTransport(std::string_view bytes, const std::string& name);
 /// What to tell the user of a file with parts missing.
 std::string CutOffNote(const std::filesystem::path& file, const DecodedModel& decoded);
 
-/// Reads a model in either form: a .glb, or the transport form, told apart by their first bytes.
-/// Throws Error as ReadGlb and DecodeTransport do.
+/// Reads a model in any form: a .glb, the transport form, or MPEG-4 AFX (.wrl), told apart by their
+/// first bytes. Throws Error as ReadGlb, DecodeTransport and ReadAfx do.
 DecodedModel ReadModel(const std::filesystem::path& file);
 
 }  // namespace lfm

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/parallel.h"
+#include "encode/afx.h"
 #include "encode/glb.h"
 #include "encode/gutters.h"
 #include "encode/map_quantization.h"
@@ -361,6 +362,7 @@ DecodedModel ReadModel(const std::filesystem::path& file) {
   const std::string bytes = ReadFile(file);
   const std::string_view magic(transport::kMagic.data(), transport::kMagic.size());
   if (bytes.starts_with(magic)) return DecodeTransport(bytes, file.string());
+  if (bytes.starts_with("#VRML")) return {ReadAfx(file), 0};
   return {ReadGlbBytes(bytes, file.string()), 0};
 }
 

@@ -12,8 +12,8 @@ namespace lfm {
 
 /// The `evaluate` figures of a workspace: its model against the capture's test photographs, over
 /// the silhouette of its dense surface (DESIGN 2).
-/// `model`, when not empty, is scored in place of the workspace's own: a .glb or .lfz file of the
-/// same object in the same frame.
+/// `model`, when not empty, is scored in place of the workspace's own: a .glb, .lfz or .wrl file of
+/// the same object in the same frame.
 nlohmann::json EvaluateWorkspace(const Capture& capture, const Workspace& workspace,
                                  Progress& progress, const std::filesystem::path& model = {});
 

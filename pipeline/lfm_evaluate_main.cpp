@@ -20,8 +20,9 @@ struct EvaluateOptions {
             "Compare only cameras, points and surfaces with CAPTURE/ground_truth, as far as the "
             "stages have run."},
            geometry);
-    v.Text({"model", "Score this model, a .glb or .lfz file, instead of WORK/encode/model.glb."},
-           model);
+    v.Text(
+        {"model", "Score this model, a .glb, .lfz or .wrl file, instead of WORK/encode/model.glb."},
+        model);
     v.Text({"images",
             "Score this folder's pictures ID.png of the test photographs' cameras "
             "instead of the model."},

@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
                            "Renders a model without a display: one picture, a turntable, or the "
                            "view of a given camera.",
                            "lfm-render demo/work/encode/model.glb bust.png --azimuth 30");
-  command.Positional("MODEL", "The model, a .glb or .lfz file.", model_file);
+  command.Positional("MODEL", "The model, a .glb, .lfz or .wrl file.", model_file);
   command.Positional("OUT", "The picture to write (.png); with --turntable, a folder.", out);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Output");

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
                            "Shows a model in a window: walk round it, change the number of terms, "
                            "save pictures.",
                            "lfm-viewer demo/work/encode/model.glb --elevation 30");
-  command.Positional("MODEL", "The model, a .glb or .lfz file.", model_file);
+  command.Positional("MODEL", "The model, a .glb, .lfz or .wrl file.", model_file);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Window");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
