@@ -18,6 +18,7 @@
 #include "pipeline/report.h"
 #include "pipeline/workspace.h"
 #include "pipeline/workspace_lock.h"
+#include "resample/photo_gains.h"
 #include "scan/scan_files.h"
 #include "scan/scan_report.h"
 
@@ -256,7 +257,9 @@ StageJob ResampleJob(const Run& run) {
                 Resample(run.capture, LoadCalib(run.workspace.Stage("calib")), mesh.surface,
                          mesh.mesh, MakeImageLoader(run.capture), run.options.resample,
                          folder / "light_field.lfs", run.progress);
-            return {{"mean_visible_views", result.mean_visible_views},
+            SavePhotoGains(result.photo_ids, result.photo_gains, folder);
+            return {{"exposure_spread_stops", ExposureSpreadStops(result.photo_gains)},
+                    {"mean_visible_views", result.mean_visible_views},
                     {"samples_per_triangle", result.samples_per_triangle},
                     {"dense_bytes", result.dense_bytes},
                     {"unseen_triangles", result.unseen_triangles},

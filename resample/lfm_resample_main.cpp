@@ -15,6 +15,7 @@
 #include "mesh/mesh_files.h"
 #include "mesh/mesh_pictures.h"
 #include "resample/dense_light_field.h"
+#include "resample/photo_gains.h"
 #include "resample/resample.h"
 #include "resample/resample_pictures.h"
 
@@ -76,6 +77,13 @@ void Report(const lfm::ResampleResult& result, lfm::Progress& progress) {
                 100 * result.saturated_share, 100 * result.near_edge_share,
                 100 * result.seen_directions_share);
   progress.Note(line);
+  if (result.photo_gains.empty()) return;
+  std::snprintf(line, sizeof(line),
+                "exposures differ by %.2f stops (standard deviation): brought to one, %.1f %% off "
+                "where it was %.1f %%",
+                lfm::ExposureSpreadStops(result.photo_gains), 100 * result.gain_error_with,
+                100 * result.gain_error_without);
+  progress.Note(line);
 }
 
 }  // namespace
@@ -108,6 +116,7 @@ int main(int argc, char** argv) {
     const lfm::ResampleResult result =
         lfm::Resample(capture, calib, mesh.surface, mesh.mesh, lfm::MakeImageLoader(capture),
                       options, file, progress);
+    lfm::SavePhotoGains(result.photo_ids, result.photo_gains, work / "resample");
     Report(result, progress);
     if (dense.empty() && !output.pictures) return;
     const lfm::LightField light_field = lfm::LightField::Open(file);

@@ -23,6 +23,21 @@ std::optional<Eigen::Vector3d> CrossingAlong(const RayScene& surface, const Eige
 
 }  // namespace
 
+std::array<std::array<float, 256>, 3> LevelsWithGain(const Eigen::Vector3d& gain) {
+  std::array<std::array<float, 256>, 3> levels;
+  for (int c = 0; c < 3; ++c) {
+    for (int v = 0; v < 256; ++v) {
+      const auto level = static_cast<float>(v);
+      // Exactly itself without a gain: such captures keep their bytes.
+      levels[static_cast<size_t>(c)][static_cast<size_t>(v)] =
+          gain[c] == 1
+              ? level
+              : 255 * SrgbFromLinear(LinearFromSrgb(level / 255) / static_cast<float>(gain[c]));
+    }
+  }
+  return levels;
+}
+
 PhotoPixels MakePhotoPixels(const Image& picture, const std::vector<PixelUse>& usable,
                             const Camera& camera, const std::string& file) {
   if (picture.width() != camera.width || picture.height() != camera.height) {
@@ -35,7 +50,9 @@ PhotoPixels MakePhotoPixels(const Image& picture, const std::vector<PixelUse>& u
   const int channels = coded.channels();
   const std::array<int, 3> from =
       channels >= 3 ? std::array<int, 3>{0, 1, 2} : std::array<int, 3>{0, 0, 0};
-  PhotoPixels photo{coded.width(), coded.height(), {}};
+  PhotoPixels photo;
+  photo.width = coded.width();
+  photo.height = coded.height();
   photo.rgbu.resize(4 * usable.size());
   const uint8_t* in = coded.Data<uint8_t>();
   for (size_t i = 0; i < usable.size(); ++i) {
@@ -112,10 +129,10 @@ std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& ca
       float value = 0;
       bool saturated = false;
       for (size_t k = 0; k < 4; ++k) {
-        value += weights[k] * static_cast<float>(pixels[k][c]);
+        value += weights[k] * photo.levels[c][pixels[k][c]];
         saturated = saturated || (weights[k] > 0 && pixels[k][c] == 255);
       }
-      view.values[3 * s + c] = static_cast<uint16_t>(value * kScale + 0.5F);
+      view.values[3 * s + c] = static_cast<uint16_t>(std::min(value * kScale + 0.5F, 65535.0F));
       view.knowledge[3 * s + c] = use != PixelUse::kData ? Knowledge::kMissing
                                   : saturated            ? Knowledge::kLowerBound
                                                          : Knowledge::kData;

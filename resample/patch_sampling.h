@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,11 +19,17 @@
 
 namespace lfm {
 
+/// 8-bit levels (sRGB-coded, 255 = 1) whose linear values are divided by `gain`, a channel: beyond
+/// 255 where that brightens them.
+std::array<std::array<float, 256>, 3> LevelsWithGain(const Eigen::Vector3d& gain);
+
 /// A photograph as it is sampled: 4 bytes a pixel, rows from the top: red, green, blue (8-bit sRGB)
 /// and the pixel's PixelUse.
 struct PhotoPixels {
   int width = 0, height = 0;
   std::vector<uint8_t> rgbu;
+  /// The level that a channel's 8-bit value stands for: itself, unless the photograph has a gain.
+  std::array<std::array<float, 256>, 3> levels = LevelsWithGain(Eigen::Vector3d::Ones());
 
   const uint8_t* At(int x, int y) const { return &rgbu[4 * (static_cast<size_t>(y) * width + x)]; }
 };
@@ -53,7 +60,7 @@ std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle,
 
 /// One view of a patch.
 struct SampledView {
-  /// 3 a sample (RGB): sRGB-coded radiance times LightField::kOne, bilinear.
+  /// 3 a sample (RGB): sRGB-coded radiance times LightField::kOne, bilinear, at most 65535.
   std::vector<uint16_t> values;
   /// As long: a lower bound where a pixel that was used stands at 255 in that channel; missing
   /// where one that was needed is no data.

@@ -6,7 +6,9 @@
 
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "resample/photo_gains.h"
 #include "resample/triangle_resampling.h"
+#include "resample/triangle_shades.h"
 #include "resample/used_photos.h"
 #include "resample/view_weights.h"
 
@@ -58,6 +60,21 @@ Totals WriteTriangles(const ResampleScene& scene, const std::vector<TriangleView
   return totals;
 }
 
+/// Finds gains, and when they are wanted sets the levels that photographs are read by.
+void UsePhotoGains(const ResampleScene& scene, const std::vector<TriangleViews>& views,
+                   std::vector<SeenPhoto>& seen, ResampleResult& result) {
+  const PhotoGainUse use = scene.options.photo_gains;
+  if (use == PhotoGainUse::kOff) return;
+  PhotoGains gains = EstimatePhotoGains(MeasureShades(scene, views), seen.size());
+  result.gain_error_without = gains.error_without;
+  result.gain_error_with = gains.error_with;
+  if (use == PhotoGainUse::kAuto && !gains.Needed()) return;
+  for (size_t p = 0; p < seen.size(); ++p) {
+    seen[p].pixels.levels = LevelsWithGain(gains.gains[p]);
+  }
+  result.photo_gains = std::move(gains.gains);
+}
+
 }  // namespace
 
 ResampleResult Resample(const Capture& capture, const CalibResult& calib,
@@ -83,8 +100,8 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
 
   const RayScene surface_scene(surface);
   const std::vector<double> deviations_mm = TriangleDeviations(mesh, surface_scene);
-  const std::vector<SeenPhoto> seen = LookAtPhotos(photos, surface, surface_scene, mesh,
-                                                   deviations_mm, load_image, options, progress);
+  std::vector<SeenPhoto> seen = LookAtPhotos(photos, surface, surface_scene, mesh, deviations_mm,
+                                             load_image, options, progress);
   const std::vector<Eigen::Vector2d> grid_in_plane =
       GridInPlane(options.direction_map, options.view_grid);
   const ResampleScene scene{header.mesh,
@@ -95,13 +112,15 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
                             grid_in_plane,
                             options,
                             *std::max_element(deviations_mm.begin(), deviations_mm.end())};
+  const std::vector<TriangleViews> views = GatherViews(seen, mesh.triangles.size());
+  ResampleResult result;
+  UsePhotoGains(scene, views, seen, result);
   LightFieldWriter writer(lfs_file, header);
-  const Totals totals =
-      WriteTriangles(scene, GatherViews(seen, mesh.triangles.size()), writer, progress);
+  const Totals totals = WriteTriangles(scene, views, writer, progress);
   writer.Finish();
 
   const int64_t entries = int64_t{options.view_grid} * options.view_grid;
-  ResampleResult result;
+  result.photo_ids = header.photo_ids;
   result.mean_visible_views = Share(totals.views, totals.triangles);
   result.samples_per_triangle = Share(totals.patch_samples, totals.triangles);
   result.dense_bytes = 3 * totals.patch_samples * entries;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "calib/calib.h"
 #include "core/capture.h"
@@ -18,14 +21,23 @@ enum class SampleOn {
   kSurface,  ///< the dense surface above them, along the interpolated normal
 };
 
+/// Whether differences of exposure and white balance between photographs are taken out.
+enum class PhotoGainUse {
+  kAuto,  ///< where triangles that were kept out of the fit say that they are needed
+  kOff,
+  kOn,
+};
+
 struct ResampleOptions {
   int view_grid = 32;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   double max_grazing_deg = 80;
   double depth_margin_px = 1.5;
   double min_data_share = 0.5;
+  double hull_margin = 0.08;
   int max_edge_samples = 65;
   SampleOn sample_on = SampleOn::kMesh;
+  PhotoGainUse photo_gains = PhotoGainUse::kAuto;
   void Declare(OptionVisitor& v) {
     v.Integer({"view-grid", "Directions a side of a view map: sharper highlights against bytes.",
                "", 2, 128},
@@ -48,6 +60,13 @@ struct ResampleOptions {
          "it keeps the margin (the rest is estimated from the other photographs); 1 = all.",
          "", 0.05, 1},
         min_data_share);
+    v.Number(
+        {"hull-margin",
+         "Directions outside the hull of the photographs', or inside it near its border, show "
+         "what lies this share of the hull's size inside it: there near photographs are mixed, "
+         "on the border two that lie far apart; 0 = as it is.",
+         "", 0, 0.9},
+        hull_margin);
     v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3,
                kMaxEdgeSamples},
               max_edge_samples);
@@ -55,6 +74,10 @@ struct ResampleOptions {
                    "Points to sample: of the mesh (exact in each photograph's own view), or of the "
                    "dense surface above it (sharper where the mesh is coarse)."},
                   {"mesh", "surface"}, sample_on);
+    v.Enumeration({"photo-gains",
+                   "Bring photographs to one exposure and white balance, estimated where they show "
+                   "the same triangles: where they need it (auto), never, or always."},
+                  {"auto", "off", "on"}, photo_gains);
   }
 };
 
@@ -66,6 +89,11 @@ struct ResampleResult {
   double saturated_share = 0;        ///< of all samples
   double near_edge_share = 0;        ///< of all samples: estimated, for they lie near a depth edge
   double seen_directions_share = 0;  ///< of the view grids' entries: inside the hull of photographs
+  std::vector<std::string> photo_ids;  ///< photographs that were used
+  /// As `photo_ids`: by which their linear RGB was divided; empty when none were needed.
+  std::vector<Eigen::Vector3d> photo_gains;
+  /// What says so (PhotoGains): relative errors without and with gains; 0 when not asked.
+  double gain_error_without = 0, gain_error_with = 0;
 };
 
 /// Resamples the train photographs onto `mesh` and writes `lfs_file` (Chen 2002, section 5.2).
@@ -75,8 +103,9 @@ struct ResampleResult {
 /// once for each (and once for its mask: pixels below half are no data), from several threads at
 /// the same time. Photographs are held as 4 bytes a pixel until the end (288 MB for 104 of 960 x
 /// 720), triangles only in batches of 256. Saturated values (a channel at 255) are lower bounds and
-/// imputed, and so are samples too near a depth edge (imputation.h). Triangles that nobody sees are
-/// written without views. The file does not depend on the number of threads.
+/// imputed, and so are samples too near a depth edge (imputation.h). Where photographs differ in
+/// exposure or white balance they are brought to one (photo_gains.h). Triangles that nobody sees
+/// are written without views. The file does not depend on the number of threads.
 ///
 /// Throws Error when no photograph can be used, a picture is missing or has another size than its
 /// camera, a mask does not fit, an option is out of range, a mesh is invalid, or the file cannot be

@@ -121,7 +121,7 @@ void WeighViews(const ResampleScene& scene, int triangle, ResampledTriangle& res
       in_plane[v] = PlaneFromDirection(scene.options.direction_map, frame.transpose() * to_eye);
     }
     auto& weights = result.record.weights[static_cast<size_t>(c)];
-    weights = ComputeViewWeights(in_plane, scene.grid_in_plane);
+    weights = ComputeViewWeights(in_plane, scene.grid_in_plane, scene.options.hull_margin);
     result.seen_entries += std::count(weights.seen.begin(), weights.seen.end(), 1);
   }
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "resample/view_hull.h"
 #include "resample/view_triangulation.h"
 
 namespace lfm {
@@ -56,20 +57,31 @@ std::array<double, 3> Barycentric(const PreparedFace& face, const Eigen::Vector2
 /// Weights of many queries in one triangulation; each search starts where the last one ended.
 class WeightFinder {
  public:
-  WeightFinder(std::span<const Eigen::Vector2d> views, const ViewTriangulation& triangulation)
-      : views_(views), triangulation_(triangulation) {
+  WeightFinder(std::span<const Eigen::Vector2d> views, const ViewTriangulation& triangulation,
+               double hull_margin)
+      : views_(views),
+        triangulation_(triangulation),
+        hull_(views, triangulation, hull_margin),
+        hull_margin_(hull_margin) {
     faces_.reserve(triangulation.faces.size());
     for (const auto& face : triangulation.faces) faces_.push_back(PrepareFace(views, face));
   }
 
   Mix Find(const Eigen::Vector2d& query) {
+    const Eigen::Vector2d drawn = hull_margin_ > 0 ? hull_.DrawIn(query) : query;
+    Mix mix = FindThere(drawn);
+    if (drawn != query) mix.seen = hull_.Contains(query);
+    return mix;
+  }
+
+ private:
+  Mix FindThere(const Eigen::Vector2d& query) {
     if (!faces_.empty()) {
       if (const auto inside = FindInside(query)) return *inside;
     }
     return NearestOnHull(query);
   }
 
- private:
   std::optional<Mix> FindInside(const Eigen::Vector2d& query) {
     // A walk in a Delaunay triangulation ends; rounding in thin faces may make it circle, hence
     // the bound and the exhaustive search behind it.
@@ -136,6 +148,8 @@ class WeightFinder {
 
   std::span<const Eigen::Vector2d> views_;
   const ViewTriangulation& triangulation_;
+  ViewHull hull_;
+  double hull_margin_;
   std::vector<PreparedFace> faces_;
   size_t last_face_ = 0;
 };
@@ -167,14 +181,15 @@ std::vector<Eigen::Vector2d> GridInPlane(DirectionMap map, int grid) {
 }
 
 LightField::WeightBuffer ComputeViewWeights(std::span<const Eigen::Vector2d> views,
-                                            std::span<const Eigen::Vector2d> queries) {
+                                            std::span<const Eigen::Vector2d> queries,
+                                            double hull_margin) {
   LightField::WeightBuffer buffer;
   if (views.empty()) return buffer;
   if (views.size() > 65535) {
     throw Error("view weights: more than 65535 photographs see one triangle; use fewer");
   }
   const ViewTriangulation triangulation = TriangulateViews(views);
-  WeightFinder finder(views, triangulation);
+  WeightFinder finder(views, triangulation, hull_margin);
   buffer.view.resize(3 * queries.size());
   buffer.weight.resize(3 * queries.size());
   buffer.seen.resize(queries.size());

@@ -30,9 +30,12 @@ std::vector<Eigen::Vector2d> GridInPlane(DirectionMap map, int grid);
 /// Outside, and for views on one line, they are those of the nearest point of the hull (two views
 /// at most) and `seen` is 0, but for queries that lie on the hull within 1e-9. No views: all three
 /// arrays are empty. One view: its weight is one. Of views that coincide exactly the first is
-/// used. Weights are >= 0 and sum to one within float rounding. At most 65535 views; throws Error
-/// for more, and when a coordinate is not finite.
+/// used. With a `hull_margin` in (0, 1) the weights are those of the nearest point of the hull
+/// drawn in by it (view_hull.h), for queries outside the hull and for those inside near it; `seen`
+/// does not change. Weights are >= 0 and sum to one within float rounding. At most 65535 views;
+/// throws Error for more, and when a coordinate is not finite.
 LightField::WeightBuffer ComputeViewWeights(std::span<const Eigen::Vector2d> views,
-                                            std::span<const Eigen::Vector2d> queries);
+                                            std::span<const Eigen::Vector2d> queries,
+                                            double hull_margin = 0);
 
 }  // namespace lfm
