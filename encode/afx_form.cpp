@@ -140,11 +140,27 @@ std::vector<std::vector<TermMaps>> SameMaps(const LightFieldModel& model, const 
   return maps;
 }
 
-void RoundToFloat(LightFieldModel& model) {
-  for (Eigen::Vector3d& p : model.mesh.vertices) p = p.cast<float>().cast<double>();
+// Every coefficient as the float next to it. Through a list of floats: GCC 12 at -O3 leaves the
+// last values of a loop that rounds doubles in place as they were.
+template <typename Matrix>
+void RoundToFloat(std::vector<Matrix>& matrices) {
+  std::vector<float> rounded;
+  for (const Matrix& matrix : matrices) {
+    for (const double value : matrix.reshaped()) rounded.push_back(static_cast<float>(value));
+  }
+  for (size_t i = 0; i < matrices.size(); ++i) {
+    using Floats = Eigen::Matrix<float, Matrix::RowsAtCompileTime, Matrix::ColsAtCompileTime>;
+    constexpr int kSize = Matrix::SizeAtCompileTime;
+    matrices[i] = Eigen::Map<const Floats>(rounded.data() + i * kSize).template cast<double>();
+  }
+}
+
+// What a file keeps of coordinates and frames.
+void KeepFloats(LightFieldModel& model) {
+  RoundToFloat(model.mesh.vertices);
+  RoundToFloat(model.vertex_frames);
   model.mesh.normals.clear();
-  for (Eigen::Matrix3d& frame : model.vertex_frames) {
-    frame = frame.cast<float>().cast<double>();
+  for (const Eigen::Matrix3d& frame : model.vertex_frames) {
     model.mesh.normals.push_back(frame.col(2));
   }
   model.mesh.confidence.clear();
@@ -179,7 +195,7 @@ LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options)
     const auto vertex = static_cast<int>(v);
     WriteVertexTerms(reader.Ring(vertex), maps[v], vertex, form);
   });
-  RoundToFloat(form);
+  KeepFloats(form);
   return FillGutters(std::move(form));
 }
 

@@ -191,10 +191,12 @@ class Writer {
     for (const Eigen::Vector3d& p : model_.mesh.vertices) {
       for (const double value : p) points.push_back(static_cast<float>(value));
     }
+    // One node a statement: in a sum a later one could be named before an earlier one.
     text_ += "Shape {\ngeometry IndexedFaceSet {\ncoord " +
-             nodes_.Node("POINTS_", "Coordinate { point " + afx::List(points, 3) + " }") +
-             "\ncoordIndex " + afx::List(coord_index, 4) + "\ntexCoord " +
-             PlaneCoordinates(corners, 6) + "\ntexCoordIndex " + afx::List(texture_index, 4) +
+             nodes_.Node("POINTS_", "Coordinate { point " + afx::List(points, 3) + " }");
+    text_ +=
+        "\ncoordIndex " + afx::List(coord_index, 4) + "\ntexCoord " + PlaneCoordinates(corners, 6);
+    text_ += "\ntexCoordIndex " + afx::List(texture_index, 4) +
              "\n}\nappearance LFM_Appearance {\ntileList [\n";
     for (const AfxFiles::Picture& picture : files.pictures) text_ += TileNode(picture) + "\n";
     text_ += "]\ntexture " + TileNode(files.pictures[page]) + "\nlightMapList [\n";
@@ -280,7 +282,8 @@ class Writer {
     }
     std::string text = "LFM_ViewMapList {\nvertexIndex " + afx::List(map.vertices, 24) +
                        "\ntileIndex " + afx::List(tiles, 24) + "\ntextureOrigin " +
-                       PlaneCoordinates(origins, 8) + "\ntextureSize " + PlaneCoordinates(sizes, 8);
+                       PlaneCoordinates(origins, 8);
+    text += "\ntextureSize " + PlaneCoordinates(sizes, 8);
     if (model_.direction_map != DirectionMap::kOrthographic) {
       text += std::string("\ndirectionMap \"") +
               glb::kDirectionMapNames[static_cast<int>(model_.direction_map)] + "\"";

@@ -13,6 +13,7 @@
 #include "core/json_reader.h"
 #include "encode/encode_pictures.h"
 #include "encode/glb.h"
+#include "encode/transport_form.h"
 #include "tests/encode/synthetic_light_field.h"
 
 namespace lfm::testing {
@@ -121,6 +122,23 @@ TEST_F(EncodeFiles, CommandWritesModelFiguresAndPictures) {
   for (const char* name : {"mean-view", "surface-maps-2", "view-maps-1", "singular-values"}) {
     EXPECT_TRUE(fs::exists(work_ / "encode" / "pictures" / (std::string(name) + ".png"))) << name;
   }
+}
+
+// AFX is written on request, and an earlier model's does not stay.
+TEST_F(EncodeFiles, CommandWritesAndRemovesAfx) {
+  WriteLightField();
+  const fs::path folder = work_ / "encode";
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 2 --afx disc --afx-light-maps 1"), 0) << Log();
+  const LightFieldModel model = ReadModel(folder / "model.wrl").model;
+  EXPECT_EQ(model.vertex_terms, ReadGlb(folder / "model.glb").vertex_terms);
+  EXPECT_EQ(model.direction_map, DirectionMap::kOrthographic);
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 1 --afx as-is"), 0) << Log();
+  EXPECT_EQ(ReadModel(folder / "model.wrl").model.direction_map, DirectionMap::kHemiOctahedral);
+  EXPECT_EQ(Run("'" + work_.string() + "' --afx disc --factorization nmf"), 2) << Log();
+  EXPECT_TRUE(fs::exists(folder / "model.wrl"));
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 1"), 0) << Log();
+  EXPECT_FALSE(fs::exists(folder / "model.wrl"));
+  EXPECT_FALSE(fs::exists(folder / "model_afx"));
 }
 
 TEST_F(EncodeFiles, CommandRefusesBadInputInOneLine) {

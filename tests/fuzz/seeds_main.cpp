@@ -78,7 +78,7 @@ void WriteSeeds(const std::filesystem::path& folder) {
   for (const LightFieldModel& model : SmallModels()) {
     const std::string name = std::to_string(number++);
     WriteGlb(model, folder / "glb" / (name + ".glb"));
-    WriteFileAtomically(folder / "lfz" / (name + ".lfz"), EncodeTransport(model, {40}).bytes);
+    WriteFileAtomically(folder / "lfz" / (name + ".lfz"), EncodeTransport(model, {70}).bytes);
     if (model.mean_in_terms) continue;
     const LightFieldModel form = AfxForm(model, {.light_maps_per_term = 2});
     WriteFileAtomically(folder / "wrl" / (name + ".wrl"), TextWithMadePictures(WriteAfxForm(form)));
