@@ -38,17 +38,16 @@ std::array<Rgb, 4> Bc1Palette(const Block& block) {
   return palette;
 }
 
-// The eight values of a block. ends[0] > ends[1]: six between them; else four, 0 and 255.
+// The eight values of a block. first > second: six between them; else four, 0 and 255. Mesa's
+// weights are rounded down to 1/256, and so is what they give.
 std::array<uint8_t, 8> Bc4Palette(int first, int second) {
   std::array<uint8_t, 8> palette{static_cast<uint8_t>(first), static_cast<uint8_t>(second)};
-  if (first > second) {
-    for (int k = 1; k < 7; ++k) {
-      palette[k + 1] = static_cast<uint8_t>((first * (7 - k) + second * k) / 7);
-    }
-  } else {
-    for (int k = 1; k < 5; ++k) {
-      palette[k + 1] = static_cast<uint8_t>((first * (5 - k) + second * k) / 5);
-    }
+  const int parts = first > second ? 7 : 5;
+  for (int k = 1; k < parts; ++k) {
+    const int weight = 255 * 64 / parts * k >> 6;
+    palette[k + 1] = static_cast<uint8_t>(first + ((second - first) * weight >> 8));
+  }
+  if (parts == 5) {
     palette[6] = 0;
     palette[7] = 255;
   }

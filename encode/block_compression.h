@@ -25,8 +25,8 @@ using Block = std::array<uint8_t, 8>;
 
 /// Decoders, bit by bit as Mesa's software rasteriser (llvmpipe) samples. The specifications
 /// (EXT_texture_compression_s3tc, ARB_texture_compression_rgtc) give real numbers and leave the
-/// rounding open: Mesa's values lie up to 1.3 of 255 below them in BC1 and up to 1 in BC4
-/// (docs/formats.md). Any 8 bytes are a block.
+/// rounding open: Mesa's values lie up to two levels of 255 from them (docs/formats.md). Any 8
+/// bytes are a block.
 std::array<std::array<uint8_t, 3>, 16> DecodeBc1(const Block& block);
 std::array<uint8_t, 16> DecodeBc4(const Block& block);
 

@@ -46,8 +46,8 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
     const Eigen::Vector2d square =
         SquareFromDirection(model.direction_map, direction) * (model.grid - 1);
     const Eigen::Vector2d cell = square.array().floor().max(0.0).min(model.grid - 2.0);
-    const auto tile = model.ViewTile(k, vertex);
     for (int k = 0; k < std::min(terms, model.vertex_terms[vertex]); ++k) {
+      const auto tile = model.ViewTile(k, vertex);
       const MapRange& surface_range = model.surface_ranges[k * vertices + vertex];
       const MapRange& view_range = model.view_ranges[k * vertices + vertex];
       const double g = surface_range.scale * surface(model.surface_pages[k],

