@@ -199,6 +199,17 @@ void CheckOptions(const EncodeOptions& options) {
   }
 }
 
+// The transport form was made before: it has its own ways.
+void Compress(const LightFieldSource& source, const EncodeOptions& options, Progress& progress,
+              EncodeResult& result) {
+  result.model = CompressMaps(source, result.model, options.compression,
+                              {options.guessed_weight, options.max_texture_size}, progress);
+  result.matrix_psnr_db = CompareWithLightField(source, result.model).psnr_db();
+  result.maps_bytes = result.model.MapsBytes();
+  result.compression_ratio =
+      static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
+}
+
 void CheckSource(const LightFieldSource& source) {
   ValidateMesh(source.mesh, "light field");
   if (source.vertex_frames.size() != source.mesh.vertices.size()) {
@@ -247,6 +258,7 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
     result.transport =
         EncodeTransport(result.model, {options.transport_db, options.geometry_error});
   }
+  if (options.compression.WantsAnything()) Compress(source, options, progress, result);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include "core/options.h"
 #include "core/progress.h"
 #include "encode/light_field_source.h"
+#include "encode/map_compression.h"
 #include "encode/model.h"
 #include "encode/pca_solver.h"
 #include "encode/transport_form.h"
@@ -30,6 +31,7 @@ struct EncodeOptions {
   double transport_db = 52;  ///< 0 = no transport form
   double geometry_error = 0.18;
   int max_texture_size = 4096;
+  MapCompressionOptions compression;  ///< of the finished maps, in model.glb
   void Declare(OptionVisitor& v) {
     v.Enumeration(
         {"factorization",
@@ -97,6 +99,7 @@ struct EncodeOptions {
              geometry_error);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
+    compression.Declare(v);
   }
 };
 
@@ -112,6 +115,7 @@ struct EncodeResult {
   /// matrices F^v (hat-weighted, all grid directions alike, guessed ones too),
   /// mean squared error weighted by their number of entries (rows of triangles that some
   /// photograph saw, times 3N); -10 log10 of it, 99 at most.
+  /// With codebooks or blocks: of the model with these, its mean view's errors included.
   /// This is the paper's "weighted average over all light field matrices" (Section 6.2); being
   /// hat-weighted it reads higher than the PSNR of a picture.
   double matrix_psnr_db = 0;

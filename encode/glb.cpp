@@ -100,6 +100,7 @@ struct ImageIndices {
   std::vector<std::vector<int>> surface, view;
 };
 
+// Pages in blocks keep the mean view as pictures too: other viewers show it.
 ImageIndices AddImages(const LightFieldModel& model, GlbBuilder& builder) {
   std::vector<const Image*> pages;
   std::vector<std::string> names;
@@ -110,7 +111,8 @@ ImageIndices AddImages(const LightFieldModel& model, GlbBuilder& builder) {
     }
   };
   collect(model.mean_pages, "mean view");
-  for (int k = 0; k < model.terms; ++k) {
+  const int terms = model.blocks.empty() ? model.terms : 0;
+  for (int k = 0; k < terms; ++k) {
     collect(model.surface_pages[k], "surface maps, term " + std::to_string(k + 1));
     collect(model.view_pages[k], "view maps, term " + std::to_string(k + 1));
   }
@@ -125,7 +127,7 @@ ImageIndices AddImages(const LightFieldModel& model, GlbBuilder& builder) {
   };
   ImageIndices indices;
   indices.mean = add(model.mean_pages.size());
-  for (int k = 0; k < model.terms; ++k) {
+  for (int k = 0; k < terms; ++k) {
     indices.surface.push_back(add(model.surface_pages[k].size()));
     indices.view.push_back(add(model.view_pages[k].size()));
   }
@@ -144,9 +146,9 @@ std::vector<float> FrameQuaternions(const LightFieldModel& model) {
   return values;
 }
 
-std::vector<uint16_t> PackedPlacements(const LightFieldModel& model) {
+std::vector<uint16_t> PackedPlacements(const std::vector<PatchPlacement>& placements) {
   std::vector<uint16_t> values;
-  for (const PatchPlacement& p : model.placements) {
+  for (const PatchPlacement& p : placements) {
     const int size = 2 * p.edge_samples + (p.flipped ? 1 : 0);
     for (const int value : {p.page, p.origin.x(), p.origin.y(), size}) {
       values.push_back(static_cast<uint16_t>(value));
@@ -175,21 +177,83 @@ json ExtensionGeometry(const LightFieldModel& model, GlbBuilder& builder) {
           {"triangles", builder.AddAccessor(triangles, GltfComponent::kUint32, GltfShape::kScalar)},
           {"frames",
            builder.AddAccessor(FrameQuaternions(model), GltfComponent::kFloat32, GltfShape::kVec4)},
-          {"vertexTerms", builder.AddAccessor(terms, GltfComponent::kUint8, GltfShape::kScalar)},
-          {"placements",
-           builder.AddAccessor(PackedPlacements(model), GltfComponent::kUint16, GltfShape::kVec4)}};
+          {"vertexTerms", builder.AddAccessor(terms, GltfComponent::kUint8, GltfShape::kScalar)}};
+}
+
+int AddPlacements(const std::vector<PatchPlacement>& placements, GlbBuilder& builder) {
+  return builder.AddAccessor(PackedPlacements(placements), GltfComponent::kUint16,
+                             GltfShape::kVec4);
+}
+
+int AddIndices(const std::vector<uint32_t>& indices, size_t codes, GlbBuilder& builder) {
+  if (codes > 1 << 16) {
+    return builder.AddAccessor(indices, GltfComponent::kUint32, GltfShape::kScalar);
+  }
+  const std::vector<uint16_t> shorter(indices.begin(), indices.end());
+  return builder.AddAccessor(shorter, GltfComponent::kUint16, GltfShape::kScalar);
+}
+
+json PatchCodebook(const std::vector<PatchPlacement>& placements, GlbBuilder& builder) {
+  const SharedPlacements shared = FindSharedPlacements(placements);
+  return {{"placements", AddPlacements(shared.codes, builder)},
+          {"indices", AddIndices(shared.indices, shared.codes.size(), builder)}};
+}
+
+// Where patches and tiles lie: one placement a triangle, or codebooks.
+void AddPlaces(const LightFieldModel& model, json& extension, GlbBuilder& builder) {
+  const bool shared = !model.surface_placements.empty() ||
+                      (model.terms == 0 && FindSharedPlacements(model.placements).codes.size() <
+                                               model.placements.size());
+  if (!shared) {
+    extension["placements"] = AddPlacements(model.placements, builder);
+    return;
+  }
+  extension["meanCodebook"] = PatchCodebook(model.placements, builder);
+  for (const auto& placements : model.surface_placements) {
+    extension["surfaceCodebooks"].push_back(PatchCodebook(placements, builder));
+  }
+  for (const std::vector<int>& codes : model.view_codes) {
+    const std::vector<uint32_t> indices(codes.begin(), codes.end());
+    const size_t most = size_t{1} + *std::max_element(indices.begin(), indices.end());
+    extension["viewIndices"].push_back(AddIndices(indices, most, builder));
+  }
+}
+
+json BlockPages(const std::vector<BlockPage>& pages, GlbBuilder& builder) {
+  json list = json::array();
+  for (const BlockPage& page : pages) {
+    list.push_back({{"bufferView", builder.AddView(page.blocks.data(), page.blocks.size())},
+                    {"width", page.width},
+                    {"height", page.height}});
+  }
+  return list;
+}
+
+json BlockPages(const std::vector<std::vector<BlockPage>>& terms, GlbBuilder& builder) {
+  json list = json::array();
+  for (const auto& pages : terms) list.push_back(BlockPages(pages, builder));
+  return list;
 }
 
 void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbBuilder& builder) {
   json extension = ExtensionGeometry(model, builder);
+  AddPlaces(model, extension, builder);
   extension["version"] = glb::kVersion;
   extension["terms"] = model.terms;
   if (model.mean_in_terms) extension["meanInTerms"] = true;
   extension["grid"] = model.grid;
   extension["directionMap"] = glb::kDirectionMapNames[static_cast<int>(model.direction_map)];
   extension["meanImages"] = images.mean;
-  extension["surfaceImages"] = images.surface;
-  extension["viewImages"] = images.view;
+  if (model.blocks.empty()) {
+    extension["surfaceImages"] = images.surface;
+    extension["viewImages"] = images.view;
+  } else {
+    extension["blocks"] = {
+        {"surfaceFormat", model.SurfacePlanes() == 1 ? glb::kOnePlane : glb::kThreePlanes},
+        {"mean", BlockPages(model.blocks.mean, builder)},
+        {"surface", BlockPages(model.blocks.surface, builder)},
+        {"view", BlockPages(model.blocks.view, builder)}};
+  }
   extension["viewTilesPerRow"] = model.view_tiles_per_row;
   extension["viewTilesPerPage"] = model.view_tiles_per_page;
   if (model.terms > 0) {

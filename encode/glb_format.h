@@ -6,7 +6,11 @@
 namespace lfm::glb {
 
 inline constexpr const char* kExtension = "LFM_surface_light_field";
-inline constexpr int kVersion = 2;
+inline constexpr int kVersion = 3;
+inline constexpr int kOldestVersion = 2;  ///< still read: has no codebooks and no blocks
+/// Of surface pages in blocks, by their planes; mean and view pages are bc1.
+inline constexpr const char* kOnePlane = "bc1";
+inline constexpr const char* kThreePlanes = "bc4";
 /// In the order of DirectionMap.
 inline constexpr const char* kDirectionMapNames[] = {"hemi-octahedral", "orthographic"};
 inline constexpr int kPngCompression = 3;

@@ -13,99 +13,26 @@
 #include "core/parallel.h"
 #include "encode/glb.h"
 #include "encode/glb_container.h"
+#include "encode/glb_document.h"
 #include "encode/glb_format.h"
+#include "encode/glb_places.h"
 #include "encode/png_header.h"
 
 namespace lfm {
 namespace {
 
+using glb::Accessor;
+using glb::BufferView;
+using glb::Document;
+using glb::Element;
+using glb::Floats;
+using glb::Integer;
+using glb::kAnyIndex;
+using glb::Member;
 using nlohmann::json;
 
 constexpr int64_t kMaxTexels = int64_t{1} << 28;  // of all pages together: 0.8 GB
 constexpr float kMaxRange = 1e6f;                 // of a map's values; products stay finite
-
-// The document with its file's name, for messages.
-struct Document {
-  const GlbContainer& container;
-  std::string file;
-
-  [[noreturn]] void Fail(const std::string& problem) const {
-    throw Error(file + ": " + problem + "; run lfm-encode again");
-  }
-  void Require(bool condition, const std::string& problem) const {
-    if (!condition) Fail(problem);
-  }
-};
-
-const json& Member(const Document& doc, const json& object, const char* key) {
-  if (!object.is_object() || !object.contains(key)) {
-    doc.Fail(std::string("\"") + key + "\" is missing");
-  }
-  return object[key];
-}
-
-int64_t Integer(const Document& doc, const json& object, const char* key, int64_t min,
-                int64_t max) {
-  const json& value = Member(doc, object, key);
-  const bool fits = value.is_number_unsigned() ? value.get<uint64_t>() <= uint64_t(INT64_MAX)
-                                               : value.is_number_integer();
-  const int64_t number = fits ? value.get<int64_t>() : 0;
-  if (!fits || number < min || number > max) {
-    doc.Fail(std::string("\"") + key + "\" must be an integer in [" + std::to_string(min) + ", " +
-             std::to_string(max) + "]");
-  }
-  return number;
-}
-
-const json& Element(const Document& doc, const char* list, int64_t index) {
-  const json& array = Member(doc, doc.container.json, list);
-  doc.Require(array.is_array() && index < static_cast<int64_t>(array.size()),
-              std::string("an index into \"") + list + "\" is out of range");
-  return array[static_cast<size_t>(index)];
-}
-
-constexpr int64_t kAnyIndex = std::numeric_limits<int32_t>::max();
-
-std::string_view BufferView(const Document& doc, const json& owner) {
-  const json& view = Element(doc, "bufferViews", Integer(doc, owner, "bufferView", 0, kAnyIndex));
-  const auto size = static_cast<int64_t>(doc.container.binary.size());
-  const int64_t offset =
-      view.contains("byteOffset") ? Integer(doc, view, "byteOffset", 0, size) : 0;
-  const int64_t length = Integer(doc, view, "byteLength", 1, size);
-  Integer(doc, view, "buffer", 0, 0);
-  doc.Require(offset <= size - length, "a buffer view reaches beyond the binary chunk");
-  doc.Require(!view.contains("byteStride"), "strided buffer views are not used here");
-  return std::string_view(doc.container.binary).substr(offset, length);
-}
-
-template <typename T>
-std::vector<T> Accessor(const Document& doc, const json& extension, const char* key,
-                        GltfComponent component, GltfShape shape, int64_t count) {
-  const json& accessor = Element(doc, "accessors", Integer(doc, extension, key, 0, kAnyIndex));
-  const std::string name = std::string("accessor \"") + key + "\"";
-  doc.Require(Integer(doc, accessor, "componentType", 0, 65535) == static_cast<int>(component) &&
-                  Member(doc, accessor, "type") == ShapeName(shape) &&
-                  !accessor.contains("byteOffset") && !accessor.contains("sparse"),
-              name + " has another type");
-  const int64_t stated = Integer(doc, accessor, "count", 1, kAnyIndex);
-  doc.Require(count < 0 || stated == count, name + " has another length");
-  const std::string_view bytes = BufferView(doc, accessor);
-  const size_t values = static_cast<size_t>(stated) * static_cast<int>(shape);
-  doc.Require(bytes.size() == values * sizeof(T), name + " does not fill its buffer view");
-  std::vector<T> result(values);
-  std::memcpy(result.data(), bytes.data(), bytes.size());
-  return result;
-}
-
-std::vector<float> Floats(const Document& doc, const json& extension, const char* key,
-                          GltfShape shape, int64_t count) {
-  std::vector<float> values =
-      Accessor<float>(doc, extension, key, GltfComponent::kFloat32, shape, count);
-  for (const float value : values) {
-    doc.Require(std::isfinite(value), std::string("accessor \"") + key + "\" is not finite");
-  }
-  return values;
-}
 
 void ReadMesh(const Document& doc, const json& extension, LightFieldModel& model) {
   const auto vertices = Floats(doc, extension, "vertices", GltfShape::kVec3, -1);
@@ -202,6 +129,7 @@ struct PendingPages {
 
 PendingPages FindAllPages(const Document& doc, const json& extension, int terms) {
   PendingPages pages;
+  if (extension.contains("blocks")) return pages;  // pictures there are for others
   pages.mean = FindPages(doc, Member(doc, extension, "meanImages"));
   const auto lists = [&](const char* key) {
     const json& list = Member(doc, extension, key);
@@ -225,16 +153,6 @@ void CheckTexels(const Document& doc, const PendingPages& pages) {
   count(pages.mean);
   for (const auto& list : pages.surface) count(list);
   for (const auto& list : pages.view) count(list);
-}
-
-void ReadPlacements(const Document& doc, const json& extension, LightFieldModel& model) {
-  const auto count = static_cast<int64_t>(model.mesh.triangles.size());
-  const auto values = Accessor<uint16_t>(doc, extension, "placements", GltfComponent::kUint16,
-                                         GltfShape::kVec4, count);
-  for (int64_t t = 0; t < count; ++t) {
-    const uint16_t* v = values.data() + 4 * t;
-    model.placements.push_back({v[0], {v[1], v[2]}, (v[3] & 1) != 0, v[3] / 2});
-  }
 }
 
 void ReadViewLayout(const Document& doc, const json& extension, LightFieldModel& model) {
@@ -293,16 +211,20 @@ LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
   doc.Require(!container.json.contains("extensionsRequired"),
               "it requires extensions that are not known");
   const json& extension = container.json["extensions"][glb::kExtension];
-  Integer(doc, extension, "version", glb::kVersion, glb::kVersion);
+  Integer(doc, extension, "version", glb::kOldestVersion, glb::kVersion);
   LightFieldModel model;
   ReadMesh(doc, extension, model);
   ReadFrames(doc, extension, model);
   ReadTerms(doc, extension, model);
   const PendingPages pages = FindAllPages(doc, extension, model.terms);
   CheckTexels(doc, pages);
-  ReadPlacements(doc, extension, model);
+  glb::ReadPlaces(doc, extension, model);
   ReadViewLayout(doc, extension, model);
-  DecodePages(doc, pages, model);
+  if (extension.contains("blocks")) {
+    glb::ReadBlocks(doc, extension["blocks"], kMaxTexels, model);
+  } else {
+    DecodePages(doc, pages, model);
+  }
   ValidateModel(model, name);
   return model;
 }

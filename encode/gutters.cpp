@@ -96,7 +96,25 @@ void CopyFromSource(LightFieldModel& model, int triangle, const GridPoint& gutte
   }
 }
 
-void Complete(Image& page, const PatchPlacement& placement) {
+void FillTriangle(LightFieldModel& model, const Eigen::Vector3i& neighbors, int triangle) {
+  const PatchPlacement& placement = model.placements[triangle];
+  const int n = placement.edge_samples;
+  for (int index = -1; index <= n; ++index) {
+    CopyFromSource(model, triangle, {index, -1}, LegSource(model, neighbors, triangle, 0, index));
+    if (index < 0) continue;
+    CopyFromSource(model, triangle, {-1, index}, LegSource(model, neighbors, triangle, 2, index));
+  }
+  CopyFromSource(model, triangle, {n, 0}, {triangle, {n - 1, 0}});
+  CopyFromSource(model, triangle, {0, n}, {triangle, {0, n - 1}});
+  CompletePatch(model.mean_pages[placement.page], placement);
+  for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
+    CompletePatch(model.surface_pages[k][placement.page], placement);
+  }
+}
+
+}  // namespace
+
+void CompletePatch(Image& page, const PatchPlacement& placement) {
   const int n = placement.edge_samples;
   for (int i = 1; i < n; ++i) {
     const uint8_t* a = TexelAt(page, placement, {i - 1, n - 1 - i});
@@ -108,24 +126,6 @@ void Complete(Image& page, const PatchPlacement& placement) {
     }
   }
 }
-
-void FillTriangle(LightFieldModel& model, const Eigen::Vector3i& neighbors, int triangle) {
-  const PatchPlacement& placement = model.placements[triangle];
-  const int n = placement.edge_samples;
-  for (int index = -1; index <= n; ++index) {
-    CopyFromSource(model, triangle, {index, -1}, LegSource(model, neighbors, triangle, 0, index));
-    if (index < 0) continue;
-    CopyFromSource(model, triangle, {-1, index}, LegSource(model, neighbors, triangle, 2, index));
-  }
-  CopyFromSource(model, triangle, {n, 0}, {triangle, {n - 1, 0}});
-  CopyFromSource(model, triangle, {0, n}, {triangle, {0, n - 1}});
-  Complete(model.mean_pages[placement.page], placement);
-  for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
-    Complete(model.surface_pages[k][placement.page], placement);
-  }
-}
-
-}  // namespace
 
 LightFieldModel FillGutters(LightFieldModel model) {
   const std::vector<Eigen::Vector3i> neighbors = ComputeTriangleNeighbors(model.mesh);

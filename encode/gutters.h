@@ -13,7 +13,11 @@ namespace lfm {
 /// - Beyond the legs (row and column -1): the neighbour's samples next to the edge; a corner map of
 ///   a vertex that the neighbour does not have goes on as zero. At a boundary, the edge's own.
 /// - At the ends: the nearest sample.
-/// Pages, placements and ranges must fit together (any model from Encode). Returns the model.
+/// Pages, placements and ranges must fit together, no patch be shared, and there be room (any model
+/// from LayOutModel). Returns the model.
 LightFieldModel FillGutters(LightFieldModel model);
+
+/// The completions beyond the hypotenuse of one patch alone.
+void CompletePatch(Image& page, const PatchPlacement& placement);
 
 }  // namespace lfm

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/model.h"
 
+#include <array>
+#include <map>
 #include <numeric>
 
 #include "core/error.h"
@@ -21,11 +23,12 @@ bool AllRgb8(const std::vector<Image>& pages) {
   });
 }
 
-// The patch with its gutters lies inside its page.
+// The patch with its completions beyond the hypotenuse lies inside its page: what is read.
 bool HoldsPatch(const std::vector<Image>& pages, const PatchPlacement& placement) {
   const int n = placement.edge_samples;
   if (n < 2 || placement.page < 0 || placement.page >= static_cast<int>(pages.size())) return false;
-  const Eigen::Vector2i a = TexelOfSample(placement, -1, -1), b = TexelOfSample(placement, n, n);
+  const Eigen::Vector2i a = TexelOfSample(placement, 0, 0);
+  const Eigen::Vector2i b = TexelOfSample(placement, n - 1, n - 1);
   const Image& page = pages[placement.page];
   return std::min(a.x(), b.x()) >= 0 && std::min(a.y(), b.y()) >= 0 &&
          std::max(a.x(), b.x()) < page.width() && std::max(a.y(), b.y()) < page.height();
@@ -36,6 +39,42 @@ bool HoldsTile(const std::vector<Image>& pages, const LightFieldModel::TilePosit
   return tile.page < static_cast<int>(pages.size()) && tile.x >= 0 && tile.y >= 0 &&
          tile.x + grid <= pages[tile.page].width() && tile.y + grid <= pages[tile.page].height();
 }
+
+bool FitPages(const std::vector<BlockPage>& blocks, const std::vector<Image>& pages, int planes) {
+  if (blocks.size() != pages.size()) return false;
+  for (size_t i = 0; i < pages.size(); ++i) {
+    const BlockPage& page = blocks[i];
+    if (page.width != pages[i].width() || page.height != pages[i].height() || page.width % 4 != 0 ||
+        page.height % 4 != 0 || page.planes != planes ||
+        page.blocks.size() != size_t{1} * planes * page.width * page.height / 2) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Mean and view pages in BC1; surface pages in BC1 or BC4, all alike.
+bool BlocksFit(const LightFieldModel& model) {
+  const LightFieldModel::Blocks& blocks = model.blocks;
+  if (blocks.empty()) return blocks.surface.empty() && blocks.view.empty();
+  const auto terms = static_cast<size_t>(model.terms);
+  bool fit = FitPages(blocks.mean, model.mean_pages, 1) && blocks.surface.size() == terms &&
+             blocks.view.size() == terms;
+  const int planes = model.SurfacePlanes();
+  for (size_t k = 0; k < terms && fit; ++k) {
+    fit = FitPages(blocks.surface[k], model.surface_pages[k], planes) &&
+          FitPages(blocks.view[k], model.view_pages[k], 1);
+  }
+  return fit && (planes == 1 || planes == 3);
+}
+
+int64_t BlockBytes(const std::vector<BlockPage>& pages) {
+  int64_t bytes = 0;
+  for (const BlockPage& page : pages) bytes += static_cast<int64_t>(page.blocks.size());
+  return bytes;
+}
+
+int64_t IndexBytes(size_t codes) { return codes <= 1 << 16 ? 2 : 4; }
 
 }  // namespace
 
@@ -52,6 +91,15 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
               model.surface_ranges.size() == terms * vertices &&
               model.view_ranges.size() == terms * vertices,
           "its tables do not fit its mesh");
+  const auto one_a_term = [&](const auto& lists, size_t size) {
+    return lists.empty() || (lists.size() == terms &&
+                             std::all_of(lists.begin(), lists.end(),
+                                         [size](const auto& list) { return list.size() == size; }));
+  };
+  require(one_a_term(model.surface_placements, model.placements.size()) &&
+              one_a_term(model.view_codes, vertices) &&
+              model.surface_placements.empty() == model.view_codes.empty(),
+          "its codebooks do not fit its mesh");
   require(model.surface_pages.size() == terms && model.view_pages.size() == terms,
           "it does not have one list of pages a term");
   constexpr int64_t kMostSide = 1 << 20;
@@ -65,31 +113,76 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
     rgb = rgb && AllRgb8(model.surface_pages[k]) && AllRgb8(model.view_pages[k]);
   }
   require(rgb, "its pages are not 8-bit RGB");
+  require(BlocksFit(model), "its blocks do not fit its pages");
   for (size_t v = 0; v < vertices; ++v) {
     const int own = model.vertex_terms[v];
     require(own >= 0 && own <= model.terms, "a vertex has more terms than the model");
     for (int k = 0; k < own; ++k) {
-      require(HoldsTile(model.view_pages[k], model.ViewTile(static_cast<int>(v)), model.grid),
+      require(model.view_codes.empty() || model.view_codes[k][v] >= 0, "a view map has no tile");
+      require(HoldsTile(model.view_pages[k], model.ViewTile(k, static_cast<int>(v)), model.grid),
               "a view tile does not lie inside its page");
     }
   }
   for (size_t t = 0; t < model.placements.size(); ++t) {
     bool inside = HoldsPatch(model.mean_pages, model.placements[t]);
     for (int k = 0; k < model.TriangleTerms(static_cast<int>(t)) && inside; ++k) {
-      inside = HoldsPatch(model.surface_pages[k], model.placements[t]) &&
-               model.surface_pages[k][model.placements[t].page].width() ==
-                   model.mean_pages[model.placements[t].page].width();
+      const PatchPlacement& own = model.SurfacePlacement(k, static_cast<int>(t));
+      inside = HoldsPatch(model.surface_pages[k], own) &&
+               (!model.surface_placements.empty() ||
+                model.surface_pages[k][own.page].width() == model.mean_pages[own.page].width());
     }
     require(inside, "a patch does not lie inside its page");
   }
 }
 
 int64_t LightFieldModel::MapsBytes() const {
-  int64_t bytes = PageBytes(mean_pages);
-  for (const auto& pages : surface_pages) bytes += PageBytes(pages);
-  for (const auto& pages : view_pages) bytes += PageBytes(pages);
+  int64_t bytes = 0;
+  if (blocks.empty()) {
+    bytes += PageBytes(mean_pages);
+    for (const auto& pages : surface_pages) bytes += PageBytes(pages);
+    for (const auto& pages : view_pages) bytes += PageBytes(pages);
+  } else {
+    bytes += BlockBytes(blocks.mean);
+    for (const auto& pages : blocks.surface) bytes += BlockBytes(pages);
+    for (const auto& pages : blocks.view) bytes += BlockBytes(pages);
+  }
+  if (!surface_placements.empty() || terms == 0) {
+    const SharedPlacements mean = FindSharedPlacements(placements);
+    if (mean.codes.size() < placements.size()) bytes += mean.Bytes();
+  }
+  for (const auto& list : surface_placements) bytes += FindSharedPlacements(list).Bytes();
+  for (const auto& list : view_codes) {
+    const int most = list.empty() ? 0 : *std::max_element(list.begin(), list.end());
+    bytes += IndexBytes(static_cast<size_t>(most) + 1) * static_cast<int64_t>(list.size());
+  }
   const size_t ranges = surface_ranges.size() + view_ranges.size();
   return bytes + static_cast<int64_t>(ranges * sizeof(MapRange));
+}
+
+int LightFieldModel::SurfacePlanes() const {
+  for (const auto& pages : blocks.surface) {
+    if (!pages.empty()) return pages.front().planes;
+  }
+  return 1;
+}
+
+int64_t SharedPlacements::Bytes() const {
+  constexpr int64_t kPlacementBytes = 8;  // as in the file: page, x, y, 2 n + flipped
+  return kPlacementBytes * static_cast<int64_t>(codes.size()) +
+         IndexBytes(codes.size()) * static_cast<int64_t>(indices.size());
+}
+
+SharedPlacements FindSharedPlacements(const std::vector<PatchPlacement>& placements) {
+  SharedPlacements shared;
+  std::map<std::array<int, 5>, uint32_t> known;
+  for (const PatchPlacement& p : placements) {
+    const std::array<int, 5> key = {p.page, p.origin.y(), p.origin.x(), p.flipped ? 1 : 0,
+                                    p.edge_samples};
+    const auto [place, added] = known.try_emplace(key, static_cast<uint32_t>(shared.codes.size()));
+    if (added) shared.codes.push_back(p);
+    shared.indices.push_back(place->second);
+  }
+  return shared;
 }
 
 std::vector<int> RankByTerms(const std::vector<int>& vertex_terms) {

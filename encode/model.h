@@ -10,6 +10,7 @@
 
 #include "core/image.h"
 #include "core/triangle_mesh.h"
+#include "encode/block_compression.h"
 #include "resample/direction_map.h"
 
 namespace lfm {
@@ -51,7 +52,8 @@ struct LightFieldModel {
   /// `surface_pages[k][page]`: RGB 8 bit, channel = corner of the triangle (three monochrome maps).
   /// They are the upper parts of the pages, and fewer, where not all triangles have term k.
   std::vector<std::vector<Image>> surface_pages;
-  /// `view_pages[k][page]`: RGB 8 bit; vertex v has its grid x grid tile at ViewTile(v). Fewer, and
+  /// `view_pages[k][page]`: RGB 8 bit; vertex v has its grid x grid tile at ViewTile(k, v). Fewer,
+  /// and
   /// the last one smaller, where not all vertices have term k.
   std::vector<std::vector<Image>> view_pages;
   std::vector<int> vertex_terms;  ///< V; terms that this vertex has, <= K
@@ -61,26 +63,60 @@ struct LightFieldModel {
   std::vector<MapRange> surface_ranges, view_ranges;
   int view_tiles_per_row = 0, view_tiles_per_page = 0;
 
+  /// Vector quantisation (Chen 2002, Section 5), K lists each, or empty without it:
+  /// `surface_placements[k][t]` is where triangle t's surface maps of term k lie,
+  /// `view_codes[k][v]` the tile of vertex v. Several triangles share a patch then (of the mean
+  /// view too, which `placements` shows), and several vertices a tile; what is shared has no
+  /// gutters beyond its legs. Patches may have fewer samples than the mean view's.
+  std::vector<std::vector<PatchPlacement>> surface_placements;
+  std::vector<std::vector<int>> view_codes;
+  /// Pages in blocks, as graphics cards read them: none, or all; pages hold what they decode to.
+  struct Blocks {
+    std::vector<BlockPage> mean;
+    std::vector<std::vector<BlockPage>> surface, view;
+    bool empty() const { return mean.empty(); }
+  };
+  Blocks blocks;
+  /// How many planes the blocks of surface pages have: 1 (BC1) or 3 (BC4).
+  int SurfacePlanes() const;
+
+  const PatchPlacement& SurfacePlacement(int term, int triangle) const {
+    return surface_placements.empty() ? placements[triangle] : surface_placements[term][triangle];
+  }
   struct TilePosition {
     int page, x, y;  ///< top-left texel
   };
-  TilePosition ViewTile(int vertex) const {
-    const int slot = view_slots[vertex], in_page = slot % view_tiles_per_page;
-    return {slot / view_tiles_per_page, in_page % view_tiles_per_row * grid,
+  TilePosition TileAt(int tile) const {
+    const int in_page = tile % view_tiles_per_page;
+    return {tile / view_tiles_per_page, in_page % view_tiles_per_row * grid,
             in_page / view_tiles_per_row * grid};
+  }
+  TilePosition ViewTile(int term, int vertex) const {
+    return TileAt(view_codes.empty() ? view_slots[vertex] : view_codes[term][vertex]);
   }
   /// Terms that the triangle's surface maps have: the most of its corners.
   int TriangleTerms(int triangle) const {
     const Eigen::Vector3i& corners = mesh.triangles[triangle];
     return std::max({vertex_terms[corners[0]], vertex_terms[corners[1]], vertex_terms[corners[2]]});
   }
-  /// Bytes of all maps as they lie in the pages, gutters and ranges included, geometry excluded.
+  /// Bytes of all maps as they lie in the pages (in blocks where there are blocks), gutters,
+  /// ranges, and the tables and indices of what is shared included; geometry excluded.
   int64_t MapsBytes() const;
 };
 
 /// Throws Error, beginning with `name`, when tables, pages and mesh do not fit together, so that no
 /// reader of the model reads out of bounds.
 void ValidateModel(const LightFieldModel& model, const std::string& name);
+
+/// Where the different ones of a list of placements lie, in order of first use, and which of them
+/// each is: a codebook, when they are fewer.
+struct SharedPlacements {
+  std::vector<PatchPlacement> codes;
+  std::vector<uint32_t> indices;
+  /// 8 bytes a code, and 2 (from 65537 codes on 4) an index.
+  int64_t Bytes() const;
+};
+SharedPlacements FindSharedPlacements(const std::vector<PatchPlacement>& placements);
 
 /// Each vertex's place when those with more terms come first (among equals the lower index): the
 /// first tiles of the view pages are then those of every term.

@@ -48,14 +48,12 @@ Tap SurfaceTap(const PatchPlacement& placement, int page_width, const Eigen::Vec
   return tap;
 }
 
-Tap ViewTap(const LightFieldModel& model, const LightFieldModel::TilePosition& tile, int page_width,
-            int vertex, const Eigen::Vector3d& to_eye) {
-  const Eigen::Vector3d direction = model.vertex_frames[vertex].transpose() * to_eye;
-  const Eigen::Vector2d square = SquareFromDirection(model.direction_map, direction);
-  const double x = std::clamp(square.x(), 0.0, 1.0) * (model.grid - 1);
-  const double y = std::clamp(square.y(), 0.0, 1.0) * (model.grid - 1);
-  const int i = std::min(static_cast<int>(x), model.grid - 2);
-  const int j = std::min(static_cast<int>(y), model.grid - 2);
+Tap ViewTap(int grid, const LightFieldModel::TilePosition& tile, int page_width,
+            const Eigen::Vector2d& square) {
+  const double x = std::clamp(square.x(), 0.0, 1.0) * (grid - 1);
+  const double y = std::clamp(square.y(), 0.0, 1.0) * (grid - 1);
+  const int i = std::min(static_cast<int>(x), grid - 2);
+  const int j = std::min(static_cast<int>(y), grid - 2);
   const ptrdiff_t texel = (tile.y + j) * ptrdiff_t{page_width} + tile.x + i;
   return MakeTap(texel, 1, page_width, static_cast<float>(x - i), static_cast<float>(y - j));
 }
@@ -89,24 +87,25 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
   std::array<Eigen::Vector3f, 16> surface_codes;
   const int shared = std::min<int>(wanted, surface_codes.size());
   for (int k = 0; k < shared; ++k) {
-    surface_codes[k] = Sample(model.surface_pages[k][placement.page], surface);
+    const PatchPlacement& own = model.SurfacePlacement(k, triangle);
+    const Image& page = model.surface_pages[k][own.page];
+    surface_codes[k] = model.surface_placements.empty()
+                           ? Sample(page, surface)
+                           : Sample(page, SurfaceTap(own, page.width(), weights));
   }
   const size_t vertices = model.vertex_frames.size();
   for (int c = 0; c < 3; ++c) {
     const int vertex = corners[c];
     const int terms = std::min(shared, model.vertex_terms[vertex]);
     if (terms <= 0) continue;
-    const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
-    Tap view;
-    int page_width = 0;
+    const Eigen::Vector2d square =
+        SquareFromDirection(model.direction_map, model.vertex_frames[vertex].transpose() * to_eye);
     for (int k = 0; k < terms; ++k) {
       const size_t range = k * vertices + vertex;
-      if (const int width = model.view_pages[k][tile.page].width(); width != page_width) {
-        view = ViewTap(model, tile, width, vertex, to_eye);
-        page_width = width;
-      }
+      const LightFieldModel::TilePosition tile = model.ViewTile(k, vertex);
+      const Image& page = model.view_pages[k][tile.page];
       const float g = DecodeValue(model.surface_ranges[range], surface_codes[k][c]);
-      const Eigen::Vector3f h = Sample(model.view_pages[k][tile.page], view);
+      const Eigen::Vector3f h = Sample(page, ViewTap(model.grid, tile, page.width(), square));
       const MapRange& view_range = model.view_ranges[range];
       color.array() += g * (view_range.scale / 255 * h.array() + view_range.bias);
     }

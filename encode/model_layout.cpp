@@ -6,7 +6,6 @@
 #include "encode/tiling.h"
 
 namespace lfm {
-namespace {
 
 std::vector<Image> MakePages(const std::vector<Eigen::Vector2i>& sizes) {
   std::vector<Image> pages;
@@ -16,7 +15,6 @@ std::vector<Image> MakePages(const std::vector<Eigen::Vector2i>& sizes) {
   return pages;
 }
 
-// Writes one channel set of a patch: texel channel `first` on, `count` codes a sample.
 void WritePatch(Image& page, const PatchPlacement& placement, const uint8_t* codes, int first,
                 int count) {
   const int n = placement.edge_samples;
@@ -29,18 +27,29 @@ void WritePatch(Image& page, const PatchPlacement& placement, const uint8_t* cod
   }
 }
 
-// The other way.
-void ReadPatch(const Image& page, const PatchPlacement& placement, int first, int count,
-               uint8_t* codes) {
+std::vector<uint8_t> ReadPatch(const Image& page, const PatchPlacement& placement, int first,
+                               int count) {
   const int n = placement.edge_samples;
+  std::vector<uint8_t> codes(size_t{1} * count * PatchSampleCount(n));
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i + j < n; ++i) {
       const Eigen::Vector2i texel = TexelOfSample(placement, i, j);
       std::copy_n(&page.At<uint8_t>(texel.x(), texel.y(), first), count,
-                  codes + size_t{1} * PatchSampleIndex(n, i, j) * count);
+                  codes.data() + size_t{1} * PatchSampleIndex(n, i, j) * count);
     }
   }
+  return codes;
 }
+
+void WriteTile(const std::vector<uint8_t>& codes, int term,
+               const LightFieldModel::TilePosition& tile, LightFieldModel& model) {
+  for (int row = 0; row < model.grid; ++row) {
+    std::copy_n(codes.data() + size_t{3} * row * model.grid, 3 * model.grid,
+                &model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row));
+  }
+}
+
+namespace {
 
 void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int term,
                LightFieldModel& model) {
@@ -49,22 +58,19 @@ void WriteTerm(std::span<const int> ring, const TermMaps& maps, int vertex, int 
   model.view_ranges[range] = maps.view_range;
   const uint8_t* codes = maps.surface_codes.data();
   for (const int triangle : ring) {
-    const PatchPlacement& placement = model.placements[triangle];
+    const PatchPlacement& placement = model.SurfacePlacement(term, triangle);
     WritePatch(model.surface_pages[term][placement.page], placement, codes,
                CornerOf(model.mesh.triangles[triangle], vertex), 1);
     codes += PatchSampleCount(placement.edge_samples);
   }
-  const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
-  for (int row = 0; row < model.grid; ++row) {
-    std::copy_n(maps.view_codes.data() + size_t{3} * row * model.grid, 3 * model.grid,
-                &model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row));
-  }
+  WriteTile(maps.view_codes, term, model.ViewTile(term, vertex), model);
 }
 
 }  // namespace
 
 LightFieldModel LayOutModel(const LightFieldSource& source, std::span<const int> edge_samples,
-                            std::vector<int> vertex_terms, int max_texture_size) {
+                            std::vector<int> vertex_terms, int max_texture_size,
+                            PatchSpacing spacing) {
   LightFieldModel model;
   model.mesh = source.mesh;
   model.vertex_frames = source.vertex_frames;
@@ -77,7 +83,7 @@ LightFieldModel LayOutModel(const LightFieldSource& source, std::span<const int>
   for (size_t t = 0; t < edge_samples.size(); ++t) {
     triangle_terms.push_back(model.TriangleTerms(static_cast<int>(t)));
   }
-  PatchLayout patches = PlacePatches(edge_samples, triangle_terms, max_texture_size);
+  PatchLayout patches = PlacePatches(edge_samples, triangle_terms, max_texture_size, spacing);
   const auto tiles_of_term = [&](int k) {
     return static_cast<int>(std::count_if(model.vertex_terms.begin(), model.vertex_terms.end(),
                                           [k](int terms) { return terms > k; }));
@@ -114,9 +120,7 @@ void WriteVertexTerms(std::span<const int> ring, const std::vector<TermMaps>& te
 
 std::vector<uint8_t> ReadMean(const LightFieldModel& model, int triangle) {
   const PatchPlacement& placement = model.placements[triangle];
-  std::vector<uint8_t> codes(size_t{3} * PatchSampleCount(placement.edge_samples));
-  ReadPatch(model.mean_pages[placement.page], placement, 0, 3, codes.data());
-  return codes;
+  return ReadPatch(model.mean_pages[placement.page], placement, 0, 3);
 }
 
 TermMaps ReadVertexTerm(const LightFieldModel& model, std::span<const int> ring, int vertex,
@@ -124,14 +128,13 @@ TermMaps ReadVertexTerm(const LightFieldModel& model, std::span<const int> ring,
   const size_t range = term * model.vertex_frames.size() + vertex;
   TermMaps maps{model.surface_ranges[range], model.view_ranges[range], {}, {}};
   for (const int triangle : ring) {
-    const PatchPlacement& placement = model.placements[triangle];
-    const size_t first = maps.surface_codes.size();
-    maps.surface_codes.resize(first + PatchSampleCount(placement.edge_samples));
-    ReadPatch(model.surface_pages[term][placement.page], placement,
-              CornerOf(model.mesh.triangles[triangle], vertex), 1,
-              maps.surface_codes.data() + first);
+    const PatchPlacement& placement = model.SurfacePlacement(term, triangle);
+    const std::vector<uint8_t> codes =
+        ReadPatch(model.surface_pages[term][placement.page], placement,
+                  CornerOf(model.mesh.triangles[triangle], vertex), 1);
+    maps.surface_codes.insert(maps.surface_codes.end(), codes.begin(), codes.end());
   }
-  const LightFieldModel::TilePosition tile = model.ViewTile(vertex);
+  const LightFieldModel::TilePosition tile = model.ViewTile(term, vertex);
   maps.view_codes.resize(size_t{3} * model.grid * model.grid);
   for (int row = 0; row < model.grid; ++row) {
     std::copy_n(&model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row),

@@ -23,22 +23,25 @@ struct Rectangle {
   int edge_samples = 2;
   int terms = 0;
   int first = 0, second = -1;
-  int width() const { return edge_samples + 4; }
-  int height() const { return edge_samples + 3; }
+  PatchSpacing spacing = PatchSpacing::kNeighbors;
+  int margin() const { return spacing == PatchSpacing::kNeighbors ? 1 : 0; }
+  int width() const { return Whole(edge_samples + 2 + 2 * margin()); }
+  int height() const { return Whole(edge_samples + 1 + 2 * margin()); }
+  int Whole(int side) const { return spacing == PatchSpacing::kBlocks ? (side + 3) / 4 * 4 : side; }
   int64_t area() const { return int64_t{width()} * height(); }
 };
 
 int DivideUp(int a, int b) { return (a + b - 1) / b; }
 
-std::vector<Rectangle> PairTriangles(std::span<const int> edge_samples,
-                                     std::span<const int> terms) {
+std::vector<Rectangle> PairTriangles(std::span<const int> edge_samples, std::span<const int> terms,
+                                     PatchSpacing spacing) {
   const auto kind = [&](int t) { return std::pair(terms.empty() ? 0 : terms[t], edge_samples[t]); };
   std::vector<int> order(edge_samples.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return kind(a) > kind(b); });
   std::vector<Rectangle> rectangles;
   for (size_t i = 0; i < order.size(); ++i) {
-    Rectangle rectangle{edge_samples[order[i]], kind(order[i]).first, order[i]};
+    Rectangle rectangle{edge_samples[order[i]], kind(order[i]).first, order[i], -1, spacing};
     if (i + 1 < order.size() && kind(order[i + 1]) == kind(order[i])) {
       rectangle.second = order[++i];
     }
@@ -123,10 +126,10 @@ std::vector<std::span<const Rectangle>> SplitRectangles(std::span<const Rectangl
 }
 
 void SetTriangles(const Rectangle& rectangle, int page, int x, int y, PatchLayout& layout) {
-  const int n = rectangle.edge_samples;
-  layout.placements[rectangle.first] = {page, {x + 1, y + 1}, false, n};
+  const int n = rectangle.edge_samples, margin = rectangle.margin();
+  layout.placements[rectangle.first] = {page, {x + margin, y + margin}, false, n};
   if (rectangle.second >= 0) {
-    layout.placements[rectangle.second] = {page, {x + n + 2, y + n + 1}, true, n};
+    layout.placements[rectangle.second] = {page, {x + margin + n + 1, y + margin + n}, true, n};
   }
 }
 
@@ -145,7 +148,7 @@ void SetPage(std::span<const Rectangle> rectangles, const Eigen::Vector2i& size,
 }  // namespace
 
 PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int> terms,
-                         int max_texture_size) {
+                         int max_texture_size, PatchSpacing spacing) {
   PatchLayout layout;
   layout.placements.resize(edge_samples.size());
   if (edge_samples.empty()) return layout;
@@ -156,12 +159,12 @@ PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int>
     if (k < 0 || k > kMaxTerms) throw Error("tiling: terms must lie in [0, 16]");
   }
   const auto [least, most] = std::minmax_element(edge_samples.begin(), edge_samples.end());
-  if (*least < 2 || *most + 4 > max_texture_size) {
+  if (*least < 2 || Rectangle{*most, 0, 0, -1, spacing}.width() > max_texture_size) {
     throw Error("tiling: patches of " + std::to_string(*most) +
                 " samples an edge do not fit a page of " + std::to_string(max_texture_size) +
                 " texels; raise --max-texture-size");
   }
-  const std::vector<Rectangle> rectangles = PairTriangles(edge_samples, terms);
+  const std::vector<Rectangle> rectangles = PairTriangles(edge_samples, terms, spacing);
   int64_t area = 0;
   for (const Rectangle& rectangle : rectangles) area += rectangle.area();
   // Fewer pages than this cannot hold them.

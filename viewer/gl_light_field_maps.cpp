@@ -35,6 +35,29 @@ void CheckLimits(const std::string& what, int width, int height, size_t layers) 
   }
 }
 
+/// An array of `layers` layers of RGB8, or of blocks; what is not uploaded is never read.
+GlObject MakeArray(const std::string& what, GLenum format, int width, int height, size_t layers) {
+  CheckLimits(what, width, height, layers);
+  GlObject texture(GlObject::Kind::kTexture);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture.name());
+  const auto depth = static_cast<GLsizei>(std::max<size_t>(layers, 1));
+  if (format == GL_RGB8) {
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, format, width, height, depth, 0, GL_RGB, GL_UNSIGNED_BYTE,
+                 nullptr);
+  } else {
+    const GLsizei bytes = width / 2 * height * depth;
+    const std::vector<uint8_t> zeros(bytes, 0);
+    glCompressedTexImage3D(GL_TEXTURE_2D_ARRAY, 0, format, width, height, depth, 0, bytes,
+                           zeros.data());
+  }
+  CheckGl("upload the " + what + " maps");
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
 /// Pages of unequal size share the array of the largest one; coordinates are in texels, so the
 /// unused rest is never read.
 GlObject UploadPages(const std::string& what, const std::vector<const Image*>& pages) {
@@ -43,22 +66,40 @@ GlObject UploadPages(const std::string& what, const std::vector<const Image*>& p
     width = std::max(width, page->width());
     height = std::max(height, page->height());
   }
-  CheckLimits(what, width, height, pages.size());
-  GlObject texture(GlObject::Kind::kTexture);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, texture.name());
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGB8, width, height,
-               static_cast<GLsizei>(std::max<size_t>(pages.size(), 1)), 0, GL_RGB, GL_UNSIGNED_BYTE,
-               nullptr);
-  CheckGl("upload the " + what + " maps");
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  GlObject texture = MakeArray(what, GL_RGB8, width, height, pages.size());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   for (size_t layer = 0; layer < pages.size(); ++layer) {
     glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(layer), pages[layer]->width(),
                     pages[layer]->height(), 1, GL_RGB, GL_UNSIGNED_BYTE,
                     pages[layer]->Data<uint8_t>());
+  }
+  CheckGl("upload the " + what + " maps");
+  return texture;
+}
+
+/// The same for pages in blocks, a layer a plane.
+GlObject UploadBlocks(const std::string& what, const std::vector<const BlockPage*>& pages,
+                      int planes) {
+  if (!epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc")) {
+    throw Error(
+        "this graphics driver does not read BC1 (S3TC) textures; encode the model without "
+        "--blocks, or use lfm-render");
+  }
+  const GLenum format = planes == 1 ? GL_COMPRESSED_RGB_S3TC_DXT1_EXT : GL_COMPRESSED_RED_RGTC1;
+  int width = 4, height = 4;
+  for (const BlockPage* page : pages) {
+    width = std::max(width, page->width);
+    height = std::max(height, page->height);
+  }
+  GlObject texture = MakeArray(what, format, width, height, pages.size() * planes);
+  GLint layer = 0;
+  for (const BlockPage* page : pages) {
+    const size_t plane_bytes = page->blocks.size() / planes;
+    for (int plane = 0; plane < planes; ++plane, ++layer) {
+      glCompressedTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, layer, page->width, page->height, 1,
+                                format, static_cast<GLsizei>(plane_bytes),
+                                page->blocks.data() + plane * plane_bytes);
+    }
   }
   CheckGl("upload the " + what + " maps");
   return texture;
@@ -87,13 +128,21 @@ GlObject UploadTable(const std::string& what, std::vector<TableEntry> entries) {
 }
 
 /// `terms[k][page]` as one list, and where each term's pages begin in it.
-std::vector<const Image*> ListPages(const std::vector<std::vector<Image>>& terms,
-                                    std::array<int, GlLightFieldMaps::kMostTerms>& first) {
-  std::vector<const Image*> pages;
+template <typename Page>
+std::vector<const Page*> ListPages(const std::vector<std::vector<Page>>& terms,
+                                   std::array<int, GlLightFieldMaps::kMostTerms>& first) {
+  std::vector<const Page*> pages;
   for (size_t k = 0; k < terms.size(); ++k) {
     first[k] = static_cast<int>(pages.size());
-    for (const Image& page : terms[k]) pages.push_back(&page);
+    for (const Page& page : terms[k]) pages.push_back(&page);
   }
+  return pages;
+}
+
+template <typename Page>
+std::vector<const Page*> ListPages(const std::vector<Page>& list) {
+  std::vector<const Page*> pages;
+  for (const Page& page : list) pages.push_back(&page);
   return pages;
 }
 
@@ -125,20 +174,54 @@ std::vector<TableEntry> RangeEntries(const LightFieldModel& model) {
   return entries;
 }
 
+std::vector<TableEntry> PatchEntries(const LightFieldModel& model) {
+  std::vector<TableEntry> entries;
+  const auto add = [&](const std::vector<PatchPlacement>& placements) {
+    for (const PatchPlacement& p : placements) {
+      const int last = p.flipped ? 1 - p.edge_samples : p.edge_samples - 1;
+      entries.push_back({static_cast<float>(p.origin.x()), static_cast<float>(p.origin.y()),
+                         static_cast<float>(p.page), static_cast<float>(last)});
+    }
+  };
+  add(model.placements);
+  for (const auto& placements : model.surface_placements) add(placements);
+  return entries;
+}
+
+std::vector<TableEntry> TileEntries(const LightFieldModel& model) {
+  std::vector<TableEntry> entries;
+  for (const std::vector<int>& codes : model.view_codes) {
+    for (const int code : codes) {
+      const LightFieldModel::TilePosition tile = model.TileAt(code);
+      entries.push_back({static_cast<float>(tile.x), static_cast<float>(tile.y),
+                         static_cast<float>(tile.page), 0});
+    }
+  }
+  return entries;
+}
+
 }  // namespace
 
 GlLightFieldMaps UploadMaps(const LightFieldModel& model) {
-  std::vector<const Image*> mean_pages;
-  for (const Image& page : model.mean_pages) mean_pages.push_back(&page);
   if (model.terms > GlLightFieldMaps::kMostTerms) {
     throw Error("the model has " + std::to_string(model.terms) + " terms; 16 can be drawn");
   }
   GlLightFieldMaps maps;
-  maps.mean = UploadPages("mean", mean_pages);
-  maps.surface = UploadPages("surface", ListPages(model.surface_pages, maps.surface_first));
-  maps.view = UploadPages("view", ListPages(model.view_pages, maps.view_first));
+  const LightFieldModel::Blocks& blocks = model.blocks;
+  if (blocks.empty()) {
+    maps.mean = UploadPages("mean", ListPages(model.mean_pages));
+    maps.surface = UploadPages("surface", ListPages(model.surface_pages, maps.surface_first));
+    maps.view = UploadPages("view", ListPages(model.view_pages, maps.view_first));
+  } else {
+    maps.mean = UploadBlocks("mean", ListPages(blocks.mean), 1);
+    maps.surface = UploadBlocks("surface", ListPages(blocks.surface, maps.surface_first),
+                                model.SurfacePlanes());
+    maps.view = UploadBlocks("view", ListPages(blocks.view, maps.view_first), 1);
+  }
   maps.frames = UploadTable("frames", FrameEntries(model));
   maps.ranges = UploadTable("ranges", RangeEntries(model));
+  maps.patches = UploadTable("patches", PatchEntries(model));
+  maps.tiles = UploadTable("tiles", TileEntries(model));
   return maps;
 }
 

@@ -16,13 +16,18 @@ namespace lfm {
 /// 2, with the tile (LightFieldModel::view_slots) as the fourth number of x, and the
 /// number of terms of y and z; (surface scale,
 /// surface bias, view scale, view bias) of vertex v and term k at k * V + v, zero where the vertex
-/// has no such term.
+/// has no such term; the patch of triangle t's mean view at t (x, y of sample (0, 0), page, n - 1,
+/// negative when flipped). With codebooks that of its term k at (k + 1) * T + t, and the tile of
+/// vertex v and term k at k * V + v (x, y, page).
+///
+/// Pages in blocks are uploaded as blocks. Surface pages of three planes have three layers each.
 struct GlLightFieldMaps {
   static constexpr int kTableWidth = 1024;
   static constexpr int kMostTerms = 16;
 
-  GlObject mean, surface, view;  ///< GL_TEXTURE_2D_ARRAY, RGB8, bilinear, clamped
+  GlObject mean, surface, view;  ///< GL_TEXTURE_2D_ARRAY, RGB8, BC1 or BC4, bilinear, clamped
   GlObject frames, ranges;       ///< GL_TEXTURE_2D, RGBA32F
+  GlObject patches, tiles;       ///< the same
   /// Layer of each term's first page.
   std::array<int, kMostTerms> surface_first{}, view_first{};
 };

@@ -23,17 +23,10 @@ namespace {
 
 /// One corner of one triangle as the vertex shader gets it.
 struct CornerVertex {
-  std::array<float, 3> position;  ///< mm, relative to the mesh's centre
-  std::array<float, 2> texel;     ///< in the surface page; texel centres at integers
-  int32_t page;
+  std::array<float, 3> position;   ///< mm, relative to the mesh's centre
   std::array<int32_t, 3> corners;  ///< the triangle's vertices
+  int32_t triangle;
 };
-
-Eigen::Vector2d CornerTexel(const PatchPlacement& placement, int corner) {
-  const double last = placement.edge_samples - 1;
-  const Eigen::Vector2d sample(corner == 1 ? last : 0, corner == 2 ? last : 0);
-  return placement.origin.cast<double>() + (placement.flipped ? -sample : sample);
-}
 
 std::vector<CornerVertex> MakeCornerVertices(const LightFieldModel& model,
                                              const Eigen::Vector3d& center) {
@@ -41,15 +34,12 @@ std::vector<CornerVertex> MakeCornerVertices(const LightFieldModel& model,
   vertices.reserve(3 * model.mesh.triangles.size());
   for (size_t t = 0; t < model.mesh.triangles.size(); ++t) {
     const Eigen::Vector3i& triangle = model.mesh.triangles[t];
-    const PatchPlacement& placement = model.placements[t];
     for (int corner = 0; corner < 3; ++corner) {
       const Eigen::Vector3f position =
           (model.mesh.vertices[triangle[corner]] - center).cast<float>();
-      const Eigen::Vector2f texel = CornerTexel(placement, corner).cast<float>();
       vertices.push_back({{position.x(), position.y(), position.z()},
-                          {texel.x(), texel.y()},
-                          placement.page,
-                          {triangle[0], triangle[1], triangle[2]}});
+                          {triangle[0], triangle[1], triangle[2]},
+                          static_cast<int32_t>(t)});
     }
   }
   return vertices;
@@ -63,12 +53,11 @@ void UploadVertices(const GlObject& array, const GlObject& buffer,
                vertices.data(), GL_STATIC_DRAW);
   const auto offset = [](size_t bytes) { return reinterpret_cast<const void*>(bytes); };
   constexpr GLsizei kStride = sizeof(CornerVertex);
-  for (GLuint location = 0; location < 4; ++location) glEnableVertexAttribArray(location);
+  for (GLuint location = 0; location < 3; ++location) glEnableVertexAttribArray(location);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kStride,
                         offset(offsetof(CornerVertex, position)));
-  glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, kStride, offset(offsetof(CornerVertex, texel)));
-  glVertexAttribIPointer(2, 1, GL_INT, kStride, offset(offsetof(CornerVertex, page)));
-  glVertexAttribIPointer(3, 3, GL_INT, kStride, offset(offsetof(CornerVertex, corners)));
+  glVertexAttribIPointer(1, 3, GL_INT, kStride, offset(offsetof(CornerVertex, corners)));
+  glVertexAttribIPointer(2, 1, GL_INT, kStride, offset(offsetof(CornerVertex, triangle)));
   glBindVertexArray(0);
   CheckGl("upload the triangles");
 }
@@ -121,6 +110,8 @@ struct GlRenderer::State {
   int terms = 0, grid = 2, view_tiles_per_row = 1, view_tiles_per_page = 1;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   bool mean_in_terms = false;
+  bool codebooks = false, blocks = false;
+  int surface_planes = 1, triangle_count = 0;
 };
 
 GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<State>()) {
@@ -134,7 +125,7 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   state_->center = (low + high) / 2;
   state_->radius = std::max((high - low).norm() / 2, 1e-6);
   state_->program = MakeProgram(shaders::kLightFieldVertex, shaders::kLightFieldFragment,
-                                {"position", "texel", "page", "corners"});
+                                {"position", "corners", "triangle"});
   state_->maps = UploadMaps(model);
   const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->center);
   state_->corner_count = static_cast<int>(vertices.size());
@@ -148,6 +139,10 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   state_->view_tiles_per_page = std::max(model.view_tiles_per_page, 1);
   state_->direction_map = model.direction_map;
   state_->mean_in_terms = model.mean_in_terms;
+  state_->codebooks = !model.surface_placements.empty();
+  state_->blocks = !model.blocks.empty();
+  state_->surface_planes = model.SurfacePlanes();
+  state_->triangle_count = static_cast<int>(model.mesh.triangles.size());
 }
 GlRenderer::~GlRenderer() = default;
 GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
@@ -183,6 +178,12 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetSampler(program, "view_maps", 2, GL_TEXTURE_2D_ARRAY, state_->maps.view);
   SetSampler(program, "frames", 3, GL_TEXTURE_2D, state_->maps.frames);
   SetSampler(program, "ranges", 4, GL_TEXTURE_2D, state_->maps.ranges);
+  SetSampler(program, "patches", 5, GL_TEXTURE_2D, state_->maps.patches);
+  SetSampler(program, "tiles", 6, GL_TEXTURE_2D, state_->maps.tiles);
+  SetInteger(program, "codebooks", state_->codebooks);
+  SetInteger(program, "blocks", state_->blocks);
+  SetInteger(program, "surface_planes", state_->surface_planes);
+  SetInteger(program, "triangle_count", state_->triangle_count);
   glUniformMatrix4fv(glGetUniformLocation(program, "clip_from_model"), 1, GL_FALSE,
                      clip_from_model.data());
   glUniform3fv(glGetUniformLocation(program, "eye"), 1, eye.data());

@@ -14,10 +14,10 @@ namespace lfm::testing {
 inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
                                     const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
                                     int terms) {
-  const PatchPlacement& place = model.placements[triangle];
-  const double last = place.edge_samples - 1;
-  const double x = weights[1] * last, y = weights[2] * last;
-  const auto surface = [&](const Image& page, int channel) {
+  const auto surface = [&](const std::vector<Image>& pages, const PatchPlacement& place,
+                           int channel) {
+    const double last = place.edge_samples - 1;
+    const double x = weights[1] * last, y = weights[2] * last;
     const double i = std::min(std::floor(x), last - 1), j = std::min(std::floor(y), last - 1);
     double sum = 0;
     for (int dj = 0; dj < 2; ++dj) {
@@ -30,13 +30,15 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
         const int sign = place.flipped ? -1 : 1;
         const int column = place.origin.x() + sign * static_cast<int>(i + di);
         const int row = place.origin.y() + sign * static_cast<int>(j + dj);
-        sum += w * page.At<uint8_t>(column, row, channel);
+        sum += w * pages[place.page].At<uint8_t>(column, row, channel);
       }
     }
     return sum / 255;
   };
   Eigen::Vector3d color;
-  for (int c = 0; c < 3; ++c) color[c] = surface(model.mean_pages[place.page], c);
+  for (int c = 0; c < 3; ++c) {
+    color[c] = surface(model.mean_pages, model.placements[triangle], c);
+  }
   const size_t vertices = model.vertex_frames.size();
   for (int corner = 0; corner < 3; ++corner) {
     const int vertex = model.mesh.triangles[triangle][corner];
@@ -44,11 +46,12 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
     const Eigen::Vector2d square =
         SquareFromDirection(model.direction_map, direction) * (model.grid - 1);
     const Eigen::Vector2d cell = square.array().floor().max(0.0).min(model.grid - 2.0);
-    const auto tile = model.ViewTile(vertex);
     for (int k = 0; k < std::min(terms, model.vertex_terms[vertex]); ++k) {
+      const auto tile = model.ViewTile(k, vertex);
       const MapRange& surface_range = model.surface_ranges[k * vertices + vertex];
       const MapRange& view_range = model.view_ranges[k * vertices + vertex];
-      const double g = surface_range.scale * surface(model.surface_pages[k][place.page], corner) +
+      const double g = surface_range.scale * surface(model.surface_pages[k],
+                                                     model.SurfacePlacement(k, triangle), corner) +
                        surface_range.bias;
       for (int c = 0; c < 3; ++c) {
         double h = 0;

@@ -160,7 +160,7 @@ TEST(Tiling, ViewTilesAreDisjointAndInside) {
         texels += static_cast<double>(size.x()) * size.y();
       }
       for (int v = 0; v < vertices; ++v) {
-        const auto tile = model.ViewTile(v);
+        const auto tile = model.ViewTile(0, v);
         ASSERT_LT(tile.page, static_cast<int>(layout.page_sizes.size()));
         ASSERT_LE(tile.x + 32, layout.page_sizes[tile.page].x());
         ASSERT_LE(tile.y + 32, layout.page_sizes[tile.page].y());

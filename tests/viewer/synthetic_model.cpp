@@ -87,7 +87,7 @@ void FillViews(const ModelRecipe& recipe, LightFieldModel& model) {
   const double step = 1.0 / (model.grid - 1);
   for (int k = 0; k < model.terms; ++k) {
     for (int v = 0; v < vertices; ++v) {
-      const LightFieldModel::TilePosition tile = model.ViewTile(v);
+      const LightFieldModel::TilePosition tile = model.ViewTile(k, v);
       for (int q = 0; q < model.grid * model.grid; ++q) {
         const int x = q % model.grid, y = q / model.grid;
         const Eigen::Vector3d value = recipe.view(k, v, {x * step, y * step});

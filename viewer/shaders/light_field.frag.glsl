@@ -4,10 +4,9 @@
 // (Chen 2002, Equations 3 and 6), on sRGB-coded values, in float, clamped once at the end.
 
 centroid in vec3 view_vector[3];
-centroid in vec2 patch_texel;
 centroid in vec3 corner_weights;
-flat in int patch_page;
 flat in ivec3 patch_corners;
+flat in int patch_triangle;  // its number
 flat in ivec3 corner_terms;
 flat in ivec3 view_tile[3];
 
@@ -15,6 +14,12 @@ uniform sampler2DArray mean_maps;
 uniform sampler2DArray surface_maps;
 uniform sampler2DArray view_maps;
 uniform sampler2D ranges;
+uniform sampler2D patches;  // where each triangle's mean view lies; with codebooks its terms', too
+uniform sampler2D tiles;    // with codebooks: where each vertex's view maps lie
+uniform int codebooks;
+uniform int blocks;          // pages are in blocks: completions beyond the hypotenuse are not exact
+uniform int surface_planes;  // layers of a surface page: 1 (RGB), or one a corner
+uniform int triangle_count;
 uniform int table_width;
 uniform int terms;
 uniform int vertex_count;
@@ -36,9 +41,44 @@ vec3 ReadTexel(sampler2DArray maps, vec2 texel, int layer) {
       .rgb;
 }
 
-vec4 Range(int term, int vertex) {
-  int entry = term * vertex_count + vertex;
-  return texelFetch(ranges, ivec2(entry % table_width, entry / table_width), 0);
+vec4 Entry(sampler2D table, int entry) {
+  return texelFetch(table, ivec2(entry % table_width, entry / table_width), 0);
+}
+
+// Where a patch lies: sample (0, 0), and one step of i and j.
+struct Patch {
+  vec2 origin;
+  float step;  // -1 when flipped
+  float last;  // n - 1
+  int page;
+};
+
+// `layer` 0: the mean view; k + 1: term k.
+Patch PatchOfTriangle(int layer) {
+  vec4 entry = Entry(patches, layer * triangle_count + patch_triangle);
+  return Patch(entry.xy, sign(entry.w), abs(entry.w), int(entry.z + 0.5));
+}
+
+// A texel of the page, or of its three planes.
+vec3 ReadPlanes(sampler2DArray maps, vec2 texel, int layer, int planes) {
+  if (planes == 1) return ReadTexel(maps, texel, layer);
+  return vec3(ReadTexel(maps, texel, layer * 3).r, ReadTexel(maps, texel, layer * 3 + 1).r,
+              ReadTexel(maps, texel, layer * 3 + 2).r);
+}
+
+// In a cell on the hypotenuse: the plane through its three samples, as three readings along its
+// legs, whatever stands beyond the hypotenuse.
+vec3 ReadPatch(sampler2DArray maps, Patch place, vec2 weights, int layer, int planes) {
+  vec2 grid_position = weights * place.last;
+  vec2 texel = place.origin + place.step * grid_position;
+  if (blocks == 0) return ReadPlanes(maps, texel, layer, planes);
+  vec2 cell = min(floor(grid_position), vec2(place.last - 1.0));
+  if (cell.x + cell.y < place.last - 1.5) return ReadPlanes(maps, texel, layer, planes);
+  vec2 inside = grid_position - cell;
+  vec2 corner = place.origin + place.step * cell;
+  return ReadPlanes(maps, corner + place.step * vec2(inside.x, 0.0), layer, planes) +
+         ReadPlanes(maps, corner + place.step * vec2(0.0, inside.y), layer, planes) -
+         ReadPlanes(maps, corner, layer, planes);
 }
 
 // 1 on the triangle's edges, falling to 0 within a pixel and a quarter.
@@ -53,7 +93,7 @@ void main() {
     vec2 square = view_coordinates_per_vertex != 0
                       ? view_vector[j].xy
                       : SquareFromDirection(normalize(view_vector[j]), orthographic != 0);
-    view_texel[j] = vec2(view_tile[j].xy) + clamp(square, 0.0, 1.0) * float(grid - 1);
+    view_texel[j] = clamp(square, 0.0, 1.0) * float(grid - 1);
   }
   // Corners whose terms do not hold the mean view show it themselves.
   float mean_share = 1.0;
@@ -63,12 +103,21 @@ void main() {
       if (corner_terms[j] == 0) mean_share += corner_weights[j];
     }
   }
-  vec3 sum = mean_share * ReadTexel(mean_maps, patch_texel, patch_page);
+  vec2 weights = clamp(corner_weights.yz, 0.0, 1.0);
+  weights.y = min(weights.y, 1.0 - weights.x);
+  Patch place = PatchOfTriangle(0);
+  vec3 sum = mean_share * ReadPatch(mean_maps, place, weights, place.page, 1);
   for (int k = 0; k < terms; ++k) {
-    vec3 surface = ReadTexel(surface_maps, patch_texel, surface_first[k] + patch_page);
+    if (codebooks != 0) place = PatchOfTriangle(k + 1);
+    vec3 surface =
+        ReadPatch(surface_maps, place, weights, surface_first[k] + place.page, surface_planes);
     for (int j = 0; j < 3; ++j) {
-      vec4 range = Range(k, patch_corners[j]);
-      vec3 view = ReadTexel(view_maps, view_texel[j], view_first[k] + view_tile[j].z);
+      vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
+      ivec3 tile = view_tile[j];
+      if (codebooks != 0) {
+        tile = ivec3(Entry(tiles, k * vertex_count + patch_corners[j]).xyz + 0.5);
+      }
+      vec3 view = ReadTexel(view_maps, vec2(tile.xy) + view_texel[j], view_first[k] + tile.z);
       sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
     }
   }

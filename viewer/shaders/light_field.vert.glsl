@@ -5,9 +5,8 @@
 // normalising a pixel is exact.
 
 in vec3 position;  // mm, relative to the mesh's centre
-in vec2 texel;     // in the surface page
-in int page;
 in ivec3 corners;  // the triangle's vertices
+in int triangle;
 
 uniform mat4 clip_from_model;
 uniform vec3 eye;
@@ -20,10 +19,9 @@ uniform int orthographic;
 uniform int view_coordinates_per_vertex;
 
 centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (square position, 0)
-centroid out vec2 patch_texel;
 centroid out vec3 corner_weights;
-flat out int patch_page;
 flat out ivec3 patch_corners;
+flat out int patch_triangle;
 flat out ivec3 corner_terms;
 flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
 
@@ -37,9 +35,8 @@ vec4 FrameEntry(int vertex, int axis) {
 
 void main() {
   gl_Position = clip_from_model * vec4(position, 1.0);
-  patch_texel = texel;
-  patch_page = page;
   patch_corners = corners;
+  patch_triangle = triangle;
   int corner = gl_VertexID % 3;
   corner_weights = vec3(corner == 0, corner == 1, corner == 2);
   vec3 to_eye = eye - position;

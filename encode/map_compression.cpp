@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/map_compression.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "encode/gutters.h"
+#include "encode/map_groups.h"
+#include "encode/model_layout.h"
+#include "encode/page_blocks.h"
+#include "encode/patch_codebook.h"
+#include "encode/view_refit.h"
+
+namespace lfm {
+namespace {
+
+std::vector<int> EdgeSamplesOf(const LightFieldModel& model) {
+  std::vector<int> edge_samples;
+  for (const PatchPlacement& placement : model.placements) {
+    edge_samples.push_back(placement.edge_samples);
+  }
+  return edge_samples;
+}
+
+// The same maps in pages whose rectangles are whole blocks.
+LightFieldModel LayOutForBlocks(const LightFieldSource& source, const LightFieldModel& model,
+                                int max_texture_size) {
+  LightFieldModel laid = LayOutModel(source, EdgeSamplesOf(model), model.vertex_terms,
+                                     max_texture_size, PatchSpacing::kBlocks);
+  laid.mean_in_terms = model.mean_in_terms;
+  laid.surface_ranges = model.surface_ranges;
+  laid.view_ranges = model.view_ranges;
+  laid.view_pages = model.view_pages;
+  laid.view_tiles_per_row = model.view_tiles_per_row;
+  laid.view_tiles_per_page = model.view_tiles_per_page;
+  for (int t = 0; t < static_cast<int>(laid.placements.size()); ++t) {
+    WriteMean(ReadMean(model, t), t, laid);
+    const PatchPlacement& from = model.placements[t];
+    const PatchPlacement& to = laid.placements[t];
+    CompletePatch(laid.mean_pages[to.page], to);
+    for (int k = 0; k < model.TriangleTerms(t); ++k) {
+      Image& page = laid.surface_pages[k][to.page];
+      WritePatch(page, to, ReadPatch(model.surface_pages[k][from.page], from, 0, 3).data(), 0, 3);
+      CompletePatch(page, to);
+    }
+  }
+  return laid;
+}
+
+// All groups of a model: mean views, then surface maps term by term, then view maps.
+struct Groups {
+  std::vector<MapGroup> all;
+  size_t mean = 0;
+  std::vector<size_t> surface;  // a term each
+  std::span<const MapGroup> Mean() const { return std::span(all).subspan(0, mean); }
+};
+
+Groups CollectGroups(const LightFieldModel& model, const MapScales& scales,
+                     std::span<const FittedViews> views) {
+  Groups groups{MeanGroups(model), 0, {}};
+  groups.mean = groups.all.size();
+  for (int k = 0; k < model.terms; ++k) {
+    std::vector<MapGroup> term = SurfaceGroups(model, scales, k);
+    groups.surface.push_back(term.size());
+    std::move(term.begin(), term.end(), std::back_inserter(groups.all));
+  }
+  for (int k = 0; k < model.terms; ++k) groups.all.push_back(ViewGroup(model, views, k));
+  return groups;
+}
+
+std::vector<int> ChooseCodes(const LightFieldModel& model, const Groups& groups,
+                             const MapCompressionOptions& options) {
+  if (options.vq_db > 0) {
+    double entries = 0;
+    for (const PatchPlacement& placement : model.placements) {
+      entries += 3.0 * PatchSampleCount(placement.edge_samples) * model.grid * model.grid;
+    }
+    return CodesForDistortion(groups.all, entries * std::pow(10.0, -options.vq_db / 10));
+  }
+  constexpr int64_t kIndexBytes = 2;
+  int64_t all = 0, indices = 0;
+  for (const MapGroup& group : groups.all) {
+    const auto owners = static_cast<int64_t>(group.owners.size());
+    all += owners * group.code_bytes;
+    indices += owners * kIndexBytes;
+  }
+  const double budget = static_cast<double>(all) / options.vq_ratio - static_cast<double>(indices);
+  return CodesForBytes(groups.all, std::max<int64_t>(0, static_cast<int64_t>(budget)));
+}
+
+LightFieldModel SharePatches(const LightFieldModel& model, const MapScales& scales,
+                             const Groups& groups, std::span<const int> codes,
+                             const CodebookLayout& layout) {
+  LightFieldModel shared = ShareMeanViews(model, groups.Mean(), codes, layout);
+  size_t first = groups.mean;
+  for (int k = 0; k < model.terms; ++k) {
+    const auto term = std::span(groups.all).subspan(first, groups.surface[k]);
+    shared = ShareSurfaceMaps(std::move(shared), term, codes.subspan(first), k, scales, layout);
+    first += groups.surface[k];
+  }
+  return shared;
+}
+
+// Each vertex's own tile, quantised with its own range.
+void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
+  const size_t vertices = views.size();
+  ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
+    for (int k = 0; k < model.vertex_terms[v]; ++k) {
+      const std::vector<float>& view = views[v].views[k];
+      const auto [low, high] = std::minmax_element(view.begin(), view.end());
+      const MapRange range = ViewRange(*low, *high);
+      model.view_ranges[k * vertices + v] = range;
+      std::vector<uint8_t> codes;
+      for (const float value : view) codes.push_back(QuantizeValue(range, value));
+      WriteTile(codes, k, model.ViewTile(k, static_cast<int>(v)), model);
+    }
+  });
+}
+
+void CheckOptions(const LightFieldModel& model, const MapCompressionOptions& options) {
+  if (options.vq_ratio > 1 && options.vq_db > 0) {
+    throw Error("give one of --vq-ratio and --vq-db");
+  }
+  if (options.blocks != PageBlocks::kNone && model.grid % 4 != 0) {
+    throw Error("--blocks needs view maps of whole blocks, and a grid of " +
+                std::to_string(model.grid) + " is no multiple of 4; run lfm-resample with --grid " +
+                std::to_string((model.grid + 3) / 4 * 4));
+  }
+}
+
+}  // namespace
+
+LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldModel& model,
+                             const MapCompressionOptions& options,
+                             const MapCompressionLimits& limits, Progress& progress) {
+  CheckOptions(model, options);
+  const bool in_blocks = options.blocks != PageBlocks::kNone;
+  const CodebookLayout layout{options.vq_start,
+                              in_blocks ? PatchSpacing::kBlocks : PatchSpacing::kCompletions,
+                              limits.max_texture_size};
+  const MapScales scales = MeasureMapScales(model);
+  LightFieldModel result = model;
+  std::vector<int> view_codes;
+  if (options.WantsCodebooks()) {
+    progress.Start("grouping maps", 3);
+    const Groups groups =
+        CollectGroups(model, scales, RefitViews(source, model, limits.guessed_weight));
+    const std::vector<int> codes = ChooseCodes(model, groups, options);
+    view_codes.assign(codes.end() - model.terms, codes.end());
+    progress.Advance();
+    result = SharePatches(model, scales, groups, codes, layout);
+    progress.Advance();
+  } else if (in_blocks) {
+    result = LayOutForBlocks(source, model, limits.max_texture_size);
+  }
+  if (in_blocks) result = CodePatchPages(std::move(result), scales, options);
+  const std::vector<FittedViews> views = RefitViews(source, result, limits.guessed_weight);
+  if (options.WantsCodebooks()) {
+    result = ShareViewMaps(std::move(result), views, view_codes, layout);
+    progress.Advance();
+  } else {
+    WriteViews(views, result);
+  }
+  if (in_blocks) result = CodeViewPages(std::move(result), options);
+  result = FitViewRanges(std::move(result), views);
+  ValidateModel(result, "the compressed model");
+  return result;
+}
+
+}  // namespace lfm
