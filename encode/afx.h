@@ -36,8 +36,8 @@ struct AfxOptions {
 ///
 /// A model that is of this form already keeps its maps, however many light maps are asked for:
 /// AfxForm(AfxForm(m)) is AfxForm(m), so that writing what was read gives the same bytes. Throws
-/// Error for nonnegative terms that hold the mean view (AFX would add it twice) and models that are
-/// not consistent.
+/// Error for nonnegative terms that hold the mean view (AFX would add it twice), models with
+/// codebooks, and those that are not consistent.
 LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options);
 
 /// A file and its pictures.

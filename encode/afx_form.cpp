@@ -179,6 +179,10 @@ LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options)
         "nonnegative terms hold the mean view, which AFX would add twice; take --factorization "
         "pca, or leave --afx out");
   }
+  if (!model.surface_placements.empty() || !model.view_codes.empty()) {
+    throw Error(
+        "AFX is written of whole maps: leave --vq-ratio and --vq-db out, or leave --afx out");
+  }
   const LightFieldModel ordered = InPageOrder(model);
   const bool onto_disc = options.view_maps == AfxViewMaps::kDisc && model.terms > 0 &&
                          model.direction_map != DirectionMap::kOrthographic;

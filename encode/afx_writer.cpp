@@ -270,7 +270,7 @@ class Writer {
     std::vector<int> tiles;
     std::vector<float> origins, sizes;
     for (const int v : map.vertices) {
-      const LightFieldModel::TilePosition tile = model_.ViewTile(v);
+      const LightFieldModel::TilePosition tile = model_.ViewTile(0, v);
       const Image& page = model_.view_pages[map.term][tile.page];
       const auto width = static_cast<float>(page.width());
       const auto height = static_cast<float>(page.height());

@@ -31,7 +31,7 @@ struct EncodeOptions {
   double transport_db = 52;  ///< 0 = no transport form
   double geometry_error = 0.18;
   int max_texture_size = 4096;
-  MapCompressionOptions compression;  ///< of the finished maps, in model.glb
+  MapCompressionOptions compression = {};  ///< of the finished maps, in model.glb
   void Declare(OptionVisitor& v) {
     v.Enumeration(
         {"factorization",

@@ -87,6 +87,9 @@ int main(int argc, char** argv) {
           "--afx: nonnegative terms hold the mean view, which AFX would add twice; take "
           "--factorization pca");
     }
+    if (output.afx != Afx::kOff && options.compression.WantsCodebooks()) {
+      throw lfm::Error("--afx: AFX is written of whole maps; leave --vq-ratio and --vq-db out");
+    }
     lfm::RequireWritableFolder(work / "encode");
     const lfm::EncodeResult result = lfm::Encode(
         lfm::LightField::Open(work / "resample" / "light_field.lfs"), options, progress);

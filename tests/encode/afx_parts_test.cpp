@@ -87,7 +87,7 @@ TEST(AfxFrames, StandInForFramesThatAreNotGiven) {
     ++compared;
     // The file's view maps were for right-handed frames: read for left-handed ones, their rows are
     // turned round.
-    const auto a = form.ViewTile(static_cast<int>(v)), b = back.ViewTile(static_cast<int>(v));
+    const auto a = form.ViewTile(0, static_cast<int>(v)), b = back.ViewTile(0, static_cast<int>(v));
     for (int y = 0; y < form.grid; ++y) {
       EXPECT_EQ(form.view_pages[0][a.page].At<uint8_t>(a.x + 1, a.y + y),
                 back.view_pages[0][b.page].At<uint8_t>(b.x + 1, b.y + form.grid - 1 - y));
