@@ -27,7 +27,7 @@ struct EncodeOptions {
   double guessed_weight = 0.2;
   double transport_db = 52;  ///< 0 = no transport form
   int max_texture_size = 4096;
-  MapCompressionOptions compression;  ///< of the finished maps, in model.glb
+  MapCompressionOptions compression = {};  ///< of the finished maps, in model.glb
   void Declare(OptionVisitor& v) {
     v.Enumeration(
         {"factorization",
