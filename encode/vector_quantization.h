@@ -13,10 +13,10 @@ namespace lfm {
 /// (a triangle's block of three maps, whose corners count differently, is one vector of three
 /// segments).
 struct WeightedVectors {
-  int dimensions = 1;          ///< D, a multiple of segments
-  int segments = 1;            ///< S
-  std::vector<float> values;   ///< count x D
-  std::vector<float> weights;  ///< count x S, >= 0
+  int dimensions = 1;               ///< D, a multiple of segments
+  int segments = 1;                 ///< S
+  std::vector<float> values = {};   ///< count x D
+  std::vector<float> weights = {};  ///< count x S, >= 0
 
   int64_t count() const { return static_cast<int64_t>(values.size()) / dimensions; }
 };

@@ -2,16 +2,18 @@
 #include "tests/encode/edge_jump.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "encode/model_evaluation.h"
 
 namespace lfm::testing {
 
-double LargestJumpAcrossEdges(const LightFieldModel& model, int terms) {
+EdgeJumps JumpsAcrossEdges(const LightFieldModel& model, int terms) {
   const auto neighbors = ComputeTriangleNeighbors(model.mesh);
   std::mt19937 random(2);
-  double largest = 0;
+  double largest = 0, sum = 0;
+  int64_t count = 0;
   for (int t = 0; t < static_cast<int>(neighbors.size()); ++t) {
     for (int e = 0; e < 3; ++e) {
       const int other = neighbors[t][e];
@@ -32,10 +34,16 @@ double LargestJumpAcrossEdges(const LightFieldModel& model, int terms) {
         const Eigen::Vector3f a = EvaluateModel(model, t, own, to_eye, {terms});
         const Eigen::Vector3f b = EvaluateModel(model, other, their, to_eye, {terms});
         largest = std::max<double>(largest, (a - b).cwiseAbs().maxCoeff());
+        sum += (a - b).squaredNorm();
+        count += 3;
       }
     }
   }
-  return 255 * largest;
+  return {255 * largest, 255 * std::sqrt(sum / static_cast<double>(std::max<int64_t>(1, count)))};
+}
+
+double LargestJumpAcrossEdges(const LightFieldModel& model, int terms) {
+  return JumpsAcrossEdges(model, terms).largest;
 }
 
 }  // namespace lfm::testing

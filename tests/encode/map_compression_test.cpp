@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <random>
 #include <set>
@@ -222,18 +223,26 @@ TEST_F(MapCompression, ViewMapsMakeUpForWhatSurfaceMapsLost) {
   EXPECT_GT(with_views(1), with_views(1.3));
 }
 
-// What is shared is not continuous any more: by how much is measured, and bounded.
+// What is shared or in blocks is not continuous any more: by how much is measured, and bounded.
 TEST_F(MapCompression, JumpsAcrossEdgesStayBounded) {
-  EXPECT_LE(LargestJumpAcrossEdges(plain_), 2.0);
-  const double bc4 = LargestJumpAcrossEdges(Compressed({.blocks = PageBlocks::kBc4}));
-  const double bc1 = LargestJumpAcrossEdges(Compressed({.blocks = PageBlocks::kBc1}));
-  const double vq = LargestJumpAcrossEdges(Compressed({.vq_ratio = 4}));
-  RecordProperty("jump_bc4", std::to_string(bc4));
-  RecordProperty("jump_bc1", std::to_string(bc1));
-  RecordProperty("jump_vq", std::to_string(vq));
-  EXPECT_LE(bc4, 30);
-  EXPECT_LE(bc1, 60);
-  EXPECT_LE(vq, 80);
+  const EdgeJumps plain = JumpsAcrossEdges(plain_);
+  EXPECT_LE(plain.largest, 2.0);
+  EXPECT_LE(plain.rms, 0.3);
+  struct Case {
+    MapCompressionOptions options;
+    double largest, rms;  // levels of 255
+  };
+  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 30, 4},
+                        {{.blocks = PageBlocks::kBc1}, 60, 6},
+                        {{.vq_ratio = 4}, 80, 8},
+                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 80, 10}};
+  for (const Case& one : cases) {
+    const EdgeJumps jumps = JumpsAcrossEdges(Compressed(one.options));
+    std::printf("largest %.1f, rms %.2f levels\n", jumps.largest, jumps.rms);
+    EXPECT_GE(jumps.rms, plain.rms);
+    EXPECT_LE(jumps.largest, one.largest);
+    EXPECT_LE(jumps.rms, one.rms);
+  }
 }
 
 TEST_F(MapCompression, DoesNotDependOnThreads) {
