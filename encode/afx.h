@@ -25,8 +25,8 @@ enum class AfxViewMaps {
 struct AfxOptions {
   AfxViewMaps view_maps = AfxViewMaps::kDisc;
   /// AFX has one scale and bias for all maps of a light map: a term may be split into several, each
-  /// with vertices whose maps take similar values. 1 to 16.
-  int light_maps_per_term = 4;
+  /// with vertices whose maps take similar values. 1 (a light map a term, as in the paper) to 16.
+  int light_maps_per_term = 1;
 };
 
 /// The model that an AFX file of `model` holds: each light map of a term has one range for the
