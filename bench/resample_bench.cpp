@@ -23,7 +23,6 @@
 
 namespace {
 
-using lfm::LightField;
 using lfm::bench::Mix;
 using lfm::bench::MixesOf;
 using lfm::bench::Object;
@@ -146,8 +145,7 @@ void LeaveOut(const Views& views, size_t left_out, const std::vector<Eigen::Vect
   }
 }
 
-/// `truth` says which views were photographed.
-Sums AskTriangle(const Object& object, const LightField& truth, int triangle) {
+Sums AskTriangle(const Object& object, int triangle) {
   Sums sums;
   const Views views = lfm::bench::ViewsOf(object, triangle);
   if (views.patch.photos.size() < lfm::bench::kLeastViews) return sums;
@@ -161,25 +159,20 @@ Sums AskTriangle(const Object& object, const LightField& truth, int triangle) {
       sums.below_horizon += in_frame.back().z() < 0 ? 1 : 0;
     }
     if (c != triangle % 3) continue;
-    const std::span<const uint16_t> taken = truth.Patch(triangle).photos;
     for (size_t v = 0; v < in_frame.size(); ++v) {
-      const uint16_t photo = views.patch.photos[v];
-      if ((photo + triangle) % kEveryView != 0) continue;
-      if (std::binary_search(taken.begin(), taken.end(), photo)) {
-        LeaveOut(views, v, in_frame, sums);
-      }
+      // By photograph: the same views whatever the options of resampling.
+      if ((views.patch.photos[v] + triangle) % kEveryView == 0) LeaveOut(views, v, in_frame, sums);
     }
   }
   return sums;
 }
 
-void Run(const std::filesystem::path& work, const std::filesystem::path& true_work) {
+void Run(const std::filesystem::path& work) {
   const Object object = lfm::bench::LoadObject(work);
-  const LightField truth = LightField::Open(true_work / "resample" / "light_field.lfs");
   const int64_t count = object.field.triangle_count() / kStride;
   std::vector<Sums> sums(static_cast<size_t>(count));
   lfm::ParallelFor(0, count, [&](int64_t i) {
-    sums[static_cast<size_t>(i)] = AskTriangle(object, truth, static_cast<int>(i * kStride));
+    sums[static_cast<size_t>(i)] = AskTriangle(object, static_cast<int>(i * kStride));
   });
   Sums total;
   for (const Sums& s : sums) total.Add(s);
@@ -203,12 +196,12 @@ void Run(const std::filesystem::path& work, const std::filesystem::path& true_wo
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 3) {
-    std::fprintf(stderr, "usage: lfm-bench-resample WORK [WORK_WITH_TRUE_VIEWS]\n");
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: lfm-bench-resample WORK\n");
     return 2;
   }
   try {
-    Run(argv[1], argv[argc - 1]);
+    Run(argv[1]);
   } catch (const lfm::Error& error) {
     std::fprintf(stderr, "lfm-bench-resample: %s\n", error.what());
     return 2;
