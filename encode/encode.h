@@ -17,8 +17,15 @@ enum class Factorization {
   kNmf,  ///< nonnegative maps that hold the mean view too, as graphics cards of 2002 drew faster
 };
 
+/// How directions between and outside those of the photographs are filled.
+enum class DirectionFill {
+  kBlend,   ///< by blending the nearest photographs alone (Chen 2002, Section 5.2)
+  kMirror,  ///< and by what the whole object shows in the same mirror direction (ReflectionModel)
+};
+
 struct EncodeOptions {
   Factorization factorization = Factorization::kPca;
+  DirectionFill fill = DirectionFill::kMirror;
   int terms = 3;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
@@ -32,6 +39,11 @@ struct EncodeOptions {
          "Terms of either sign beside the mean view (pca: less error, and the first terms "
          "alone are a model), or nonnegative ones that hold it (nmf)."},
         {"pca", "nmf"}, factorization);
+    v.Enumeration({"fill",
+                   "How directions between and outside the photographs follow: by blending the "
+                   "nearest (blend), or also by what the whole object shows in the same mirror "
+                   "direction (mirror; needs WORK/calib and signed terms)."},
+                  {"blend", "mirror"}, fill);
     v.Integer({"terms", "Terms K a vertex: sharper highlights against bytes.", "", 0, 16}, terms);
     v.Number(
         {"tolerance",
