@@ -32,7 +32,13 @@ ResampleOptions PaperResampling() {
 
 EncodeResult EncodeWith(const PaperLightField& field, EncodeOptions options, Progress& progress) {
   options.transport_db = 0;
+  options.fill = DirectionFill::kBlend;
   return Encode(field.light_field, options, progress);
+}
+
+EncodeResult EncodeOurs(const PaperLightField& field, EncodeOptions options, Progress& progress) {
+  options.transport_db = 0;
+  return Encode(SourceFromLightField(field.light_field, field.eyes), options, progress);
 }
 
 double RmsInLevels(double psnr_db) { return 255 * std::pow(10.0, -psnr_db / 20); }
@@ -183,7 +189,7 @@ class PaperTables {
       char name[80];
       std::snprintf(name, sizeof name, "ours, %.0f samples a triangle",
                     field.figures.samples_per_triangle);
-      AddPipeline(object, name, EncodeWith(field, {.target_mb = megabytes}, progress_));
+      AddPipeline(object, name, EncodeOurs(field, {.target_mb = megabytes}, progress_));
     }
   }
 

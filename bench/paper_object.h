@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "calib/calib.h"
 #include "core/capture.h"
 #include "core/progress.h"
 #include "core/triangle_mesh.h"
+#include "encode/light_field_source.h"
 #include "pipeline/heldout.h"
 #include "resample/resample.h"
 
@@ -34,6 +36,7 @@ PaperObject OpenPaperObject(const std::filesystem::path& folder, GeometryOf geom
 struct PaperLightField {
   LightField light_field;
   ResampleResult figures;
+  std::vector<Eigen::Vector3d> eyes;  ///< of its photographs
   int64_t raw_bytes = 0;  ///< normalised triangles: 3 bytes x samples x photographs that see it
 };
 

@@ -13,6 +13,7 @@
 #include "encode/model_error.h"
 #include "encode/model_layout.h"
 #include "encode/nonnegative_terms.h"
+#include "encode/reflection_model.h"
 #include "encode/term_selection.h"
 #include "encode/vertex_factorization.h"
 
@@ -220,12 +221,26 @@ void CheckSource(const LightFieldSource& source) {
   }
 }
 
+// Nonnegative terms cannot take a change of either sign.
+LightFieldSource FillDirections(const LightFieldSource& source, const EncodeOptions& options,
+                                Progress& progress) {
+  if (options.fill == DirectionFill::kBlend || source.eyes.empty() ||
+      options.factorization == Factorization::kNmf) {
+    return source;
+  }
+  progress.Start("reflections", 1);
+  LightFieldSource filled = WithReflections(source, FitReflections(source));
+  progress.Advance();
+  return filled;
+}
+
 }  // namespace
 
-EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options,
+EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& options,
                     Progress& progress) {
   CheckOptions(options);
-  CheckSource(source);
+  CheckSource(blended);
+  const LightFieldSource source = FillDirections(blended, options, progress);
   const std::vector<int> edge_samples = EdgeSamples(source);
   const MeanView mean_view =
       ComputeMeanView(source, FindSharedSamples(source.mesh.triangles, edge_samples),

@@ -18,9 +18,16 @@ enum class Factorization {
   kNmf,  ///< nonnegative maps that hold the mean view too, as graphics cards of 2002 drew faster
 };
 
+/// How directions between and outside those of the photographs are filled.
+enum class DirectionFill {
+  kBlend,   ///< by blending the nearest photographs alone (Chen 2002, Section 5.2)
+  kMirror,  ///< and by what the whole object shows in the same mirror direction (ReflectionModel)
+};
+
 struct EncodeOptions {
   static constexpr int kAsNeeded = -1;
   Factorization factorization = Factorization::kPca;
+  DirectionFill fill = DirectionFill::kMirror;
   int terms = kAsNeeded;  ///< everywhere; kAsNeeded: by term_gain or one of the targets
   double term_gain = 0.8;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
@@ -38,6 +45,11 @@ struct EncodeOptions {
          "Terms of either sign beside the mean view (pca: less error, and the first terms "
          "alone are a model), or nonnegative ones that hold it (nmf)."},
         {"pca", "nmf"}, factorization);
+    v.Enumeration({"fill",
+                   "How directions between and outside the photographs follow: by blending the "
+                   "nearest (blend), or also by what the whole object shows in the same mirror "
+                   "direction (mirror; needs WORK/calib and signed terms)."},
+                  {"blend", "mirror"}, fill);
     v.Integer({"terms",
                "Terms K of every vertex: sharper highlights against bytes. -1: each vertex gets as "
                "many as it needs, by --term-gain or one of the targets (nonnegative ones: 3).",

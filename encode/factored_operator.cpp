@@ -71,6 +71,7 @@ RingBlock BuildBlock(const LightFieldSource& source, int triangle, int corner,
   block.view.assign(weights.view.begin(), weights.view.end());
   block.weight.assign(weights.weight.begin(), weights.weight.end());
   block.seen.assign(weights.seen.begin(), weights.seen.end());
+  if (source.change) block.change = source.change(triangle, corner, weights);
   SortWeightsByView(block);
   FillCentred(patch, mean, block);
   return block;
@@ -103,6 +104,55 @@ std::vector<double> ViewGram(const RingBlock& block) {
   return gram;
 }
 
+// y += hat (change^T x).
+void AddChange(const RingBlock& block, const float* x, int width, float* y) {
+  std::vector<float> sum(width, 0.f);
+  for (size_t col = 0; col < block.change.size(); ++col) {
+    for (int i = 0; i < width; ++i) sum[i] += block.change[col] * x[col * width + i];
+  }
+  for (int s = 0; s < block.samples && !block.change.empty(); ++s) {
+    for (int i = 0; i < width; ++i) y[s * width + i] += block.hat[s] * sum[i];
+  }
+}
+
+// x += change (hat^T y).
+void AddChangeTransposed(const RingBlock& block, const float* y, int width, float* x) {
+  std::vector<float> sum(width, 0.f);
+  for (int s = 0; s < block.samples && !block.change.empty(); ++s) {
+    for (int i = 0; i < width; ++i) sum[i] += block.hat[s] * y[s * width + i];
+  }
+  for (size_t col = 0; col < block.change.size(); ++col) {
+    for (int i = 0; i < width; ++i) x[col * width + i] += block.change[col] * sum[i];
+  }
+}
+
+// hat^T centred: 3 x views, channels outer.
+std::vector<double> HatTimesCentred(const RingBlock& block) {
+  const int columns = kChannels * block.views;
+  std::vector<double> sums(columns, 0.0);
+  for (int s = 0; s < block.samples; ++s) {
+    const float* row = block.centred.data() + static_cast<size_t>(s) * columns;
+    for (int i = 0; i < columns; ++i) sums[i] += static_cast<double>(block.hat[s]) * row[i];
+  }
+  return sums;
+}
+
+// What the change brings to the squared norm of column q, all channels.
+double ChangeEnergy(const RingBlock& block, const std::vector<double>& hat_times_centred,
+                    double hat_energy, size_t q) {
+  const size_t directions = block.seen.size();
+  double sum = 0;
+  for (int c = 0; c < kChannels; ++c) {
+    const double change = block.change[c * directions + q];
+    double blended = 0;
+    for (size_t e = 3 * q; e < 3 * q + 3; ++e) {
+      blended += block.weight[e] * hat_times_centred[c * block.views + block.view[e]];
+    }
+    sum += change * (2 * blended + hat_energy * change);
+  }
+  return sum;
+}
+
 }  // namespace
 
 VertexOperator BuildVertexOperator(const LightFieldSource& source, int vertex,
@@ -111,15 +161,18 @@ VertexOperator BuildVertexOperator(const LightFieldSource& source, int vertex,
   VertexOperator f;
   f.directions = source.grid * source.grid;
   LightField::WeightBuffer buffer;
-  float max_abs = 0;
+  float max_abs = 0, max_change = 0;
   for (const int triangle : triangles) {
     const int corner = CornerOf(source.mesh.triangles[triangle], vertex);
     f.blocks.push_back(BuildBlock(source, triangle, corner, mean(triangle), buffer));
     f.blocks.back().first_row = f.rows;
     f.rows += f.blocks.back().samples;
     for (const float value : f.blocks.back().centred) max_abs = std::max(max_abs, std::abs(value));
+    for (const float value : f.blocks.back().change) {
+      max_change = std::max(max_change, std::abs(value));
+    }
   }
-  f.max_abs = max_abs;
+  f.max_abs = max_abs + max_change;
   return f;
 }
 
@@ -136,6 +189,7 @@ void Multiply(const VertexOperator& f, const float* x, int width, float* y) {
                                by_view.data());
     kernels::Multiply(block.centred.data(), block.samples, kChannels * block.views, by_view.data(),
                       width, y_block);
+    AddChange(block, x, width, y_block);
   }
 }
 
@@ -150,6 +204,7 @@ void MultiplyTransposed(const VertexOperator& f, const float* y, int width, floa
                                 by_view.data());
     kernels::AddViewsToDirections(block.view.data(), block.weight.data(), block.views, f.directions,
                                   kChannels, by_view.data(), width, x);
+    AddChangeTransposed(block, y + static_cast<size_t>(block.first_row) * width, width, x);
   }
 }
 
@@ -180,6 +235,9 @@ Energies ComputeEnergies(const VertexOperator& f, const std::vector<float>& colu
   Energies energies;
   for (const RingBlock& block : f.blocks) {
     const std::vector<double> gram = ViewGram(block);
+    const std::vector<double> hat_times_centred = HatTimesCentred(block);
+    double hat_energy = 0;
+    for (const float hat : block.hat) hat_energy += static_cast<double>(hat) * hat;
     for (size_t e = 0; e < block.view.size(); e += 3) {
       double sum = 0;
       for (int a = 0; a < 3; ++a) {
@@ -188,6 +246,7 @@ Energies ComputeEnergies(const VertexOperator& f, const std::vector<float>& colu
                  gram[static_cast<size_t>(block.view[e + a]) * block.views + block.view[e + b]];
         }
       }
+      if (!block.change.empty()) sum += ChangeEnergy(block, hat_times_centred, hat_energy, e / 3);
       const double scale = column_scale[e / 3];
       energies.plain += sum;
       energies.scaled += scale * scale * sum;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "calib/calib_files.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/image.h"
@@ -66,13 +67,27 @@ std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
   return text;
 }
 
+// Where the photographs were taken; nothing where nobody asks or the calibration is not there.
+std::vector<Eigen::Vector3d> Eyes(const std::filesystem::path& calib_folder,
+                                  const lfm::LightField& light_field,
+                                  const lfm::EncodeOptions& options, lfm::Progress& progress) {
+  if (options.fill == lfm::DirectionFill::kBlend) return {};
+  if (!std::filesystem::exists(calib_folder / "poses.json")) {
+    progress.Note("no " + (calib_folder / "poses.json").string() +
+                  ": directions are filled by blending alone");
+    return {};
+  }
+  return lfm::EyesOfPhotos(lfm::LoadCalib(calib_folder), light_field.photo_ids());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   lfm::CommandLine command(
       "lfm-encode",
       "Factorises and quantises the light field: WORK/resample/light_field.lfs "
-      "goes in; WORK/encode/model.glb, and the same for transport, model.lfz, come out.",
+      "and the places of the photographs, WORK/calib, go in; WORK/encode/model.glb, and the same "
+      "for transport, model.lfz, come out.",
       "lfm-encode demo/work --term-gain 0.5");
   std::string work_folder;
   command.Positional("WORK", "workspace folder", work_folder);
@@ -91,8 +106,12 @@ int main(int argc, char** argv) {
       throw lfm::Error("--afx: AFX is written of whole maps; leave --vq-ratio and --vq-db out");
     }
     lfm::RequireWritableFolder(work / "encode");
-    const lfm::EncodeResult result = lfm::Encode(
-        lfm::LightField::Open(work / "resample" / "light_field.lfs"), options, progress);
+    const lfm::LightField light_field =
+        lfm::LightField::Open(work / "resample" / "light_field.lfs");
+    const lfm::EncodeResult result =
+        lfm::Encode(lfm::SourceFromLightField(light_field,
+                                              Eyes(work / "calib", light_field, options, progress)),
+                    options, progress);
     const int64_t model_bytes =
         lfm::SaveEncode(result, work / "encode").at("model_bytes").get<int64_t>();
     progress.Note(Figures(result, model_bytes));

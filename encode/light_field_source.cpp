@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 
@@ -34,7 +35,8 @@ void CheckWeights(const ViewWeights& weights, size_t views, size_t directions, i
 
 }  // namespace
 
-LightFieldSource SourceFromLightField(const LightField& light_field) {
+LightFieldSource SourceFromLightField(const LightField& light_field,
+                                      std::vector<Eigen::Vector3d> eyes) {
   const LightField* field = &light_field;
   return {light_field.mesh(),
           light_field.vertex_frames(),
@@ -44,7 +46,23 @@ LightFieldSource SourceFromLightField(const LightField& light_field) {
           [field](int triangle, int corner, LightField::WeightBuffer& buffer) {
             return field->Weights(triangle, corner, buffer);
           },
-          light_field.DenseBytes()};
+          light_field.DenseBytes(),
+          std::move(eyes)};
+}
+
+std::vector<Eigen::Vector3d> EyesOfPhotos(const CalibResult& calib,
+                                          const std::vector<std::string>& photo_ids) {
+  std::vector<Eigen::Vector3d> eyes;
+  for (const std::string& id : photo_ids) {
+    const auto posed = std::find_if(calib.photos.begin(), calib.photos.end(),
+                                    [&](const PosedImage& photo) { return photo.id == id; });
+    if (posed == calib.photos.end()) {
+      throw Error("light field: photograph '" + id +
+                  "' has no pose in the calibration; run lfm-resample again");
+    }
+    eyes.push_back(posed->camera_from_world.Center());
+  }
+  return eyes;
 }
 
 void CheckSourceTriangle(const LightFieldSource& source, int triangle) {

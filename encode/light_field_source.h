@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
+#include "calib/calib.h"
 #include "core/triangle_mesh.h"
 #include "resample/direction_map.h"
 #include "resample/light_field.h"
@@ -22,10 +26,22 @@ struct LightFieldSource {
   std::function<TrianglePatch(int triangle)> patch;
   std::function<ViewWeights(int triangle, int corner, LightField::WeightBuffer& buffer)> weights;
   int64_t dense_bytes = 0;  ///< 3 x samples x grid^2, over all triangles
+  /// Where the photographs of the patches were taken, mm, world frame; empty when not known.
+  std::vector<Eigen::Vector3d> eyes = {};
+  /// What is added to every sample of a triangle's blended views in the directions of a corner's
+  /// grid: 3 grid^2 values, channels outer, sRGB-coded (reflection_model.h). Not set: nothing.
+  std::function<std::vector<float>(int triangle, int corner, const ViewWeights& weights)> change =
+      {};
 };
 
-/// The source behind an open file; `light_field` must outlive it.
-LightFieldSource SourceFromLightField(const LightField& light_field);
+/// The source behind an open file; `light_field` must outlive it. `eyes`: as above, one a
+/// photograph of LightField::photo_ids.
+LightFieldSource SourceFromLightField(const LightField& light_field,
+                                      std::vector<Eigen::Vector3d> eyes = {});
+
+/// Where the photographs with these ids were taken. Throws Error when one has no pose.
+std::vector<Eigen::Vector3d> EyesOfPhotos(const CalibResult& calib,
+                                          const std::vector<std::string>& photo_ids);
 
 /// Throws Error when the counts, sizes or indices of one triangle do not fit together, so that no
 /// later step reads out of bounds.

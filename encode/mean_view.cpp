@@ -33,6 +33,23 @@ std::vector<double> ViewShares(const LightFieldSource& source, int triangle, siz
   return shares;
 }
 
+// The mean over the view grids of what is added to blended views, RGB; weighted as above.
+Eigen::Vector3d MeanChange(const LightFieldSource& source, int triangle, double guessed_weight,
+                           LightField::WeightBuffer& buffer) {
+  Eigen::Vector4d seen = Eigen::Vector4d::Zero(), guessed = Eigen::Vector4d::Zero();
+  for (int corner = 0; corner < 3; ++corner) {
+    const ViewWeights weights = source.weights(triangle, corner, buffer);
+    const std::vector<float> change = source.change(triangle, corner, weights);
+    const size_t directions = weights.seen.size();
+    for (size_t q = 0; q < directions; ++q) {
+      (weights.seen[q] ? seen : guessed) +=
+          Eigen::Vector4d(change[q], change[directions + q], change[2 * directions + q], 1);
+    }
+  }
+  const Eigen::Vector4d sum = seen + (seen[3] > 0 ? guessed_weight : 1) * guessed;
+  return sum.head<3>() / sum[3];
+}
+
 std::vector<float> PatchMeanValues(const LightFieldSource& source, int triangle,
                                    double guessed_weight) {
   const TrianglePatch patch = source.patch(triangle);
@@ -46,6 +63,9 @@ std::vector<float> PatchMeanValues(const LightFieldSource& source, int triangle,
     for (size_t v = 0; v < views; ++v) sum += shares[v] * patch.values[row * views + v];
     mean[row] = static_cast<float>(sum / LightField::kOne);
   }
+  if (!source.change) return mean;
+  const Eigen::Vector3d change = MeanChange(source, triangle, guessed_weight, buffer);
+  for (size_t row = 0; row < mean.size(); ++row) mean[row] += static_cast<float>(change[row % 3]);
   return mean;
 }
 

@@ -34,6 +34,11 @@ void ForEachWeight(const RingBlock& block, int directions, const Visit& visit) {
   }
 }
 
+Eigen::VectorXd Column(const std::vector<float>& values) {
+  return Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Eigen::Index>(values.size()))
+      .cast<double>();
+}
+
 Eigen::VectorXd ScaleOfColumns(const VertexOperator& f, const std::vector<float>& column_scale) {
   Eigen::VectorXd scale(f.cols());
   for (int col = 0; col < f.cols(); ++col) scale[col] = column_scale[col % f.directions];
@@ -68,6 +73,9 @@ PreciseMap PreciseScaledMap(const VertexOperator& f, const std::vector<float>& c
         by_view.row(view) += weight * scaled.row(direction);
       });
       y.middleRows(block.first_row, block.samples) = Centred(block) * by_view;
+      if (block.change.empty()) continue;
+      y.middleRows(block.first_row, block.samples) +=
+          Column(block.hat) * (Column(block.change).transpose() * scaled);
     }
     return y;
   };
@@ -80,6 +88,9 @@ PreciseMap PreciseScaledMap(const VertexOperator& f, const std::vector<float>& c
       ForEachWeight(block, f.directions, [&](int view, int direction, double weight) {
         x.row(direction) += weight * by_view.row(view);
       });
+      if (block.change.empty()) continue;
+      x += Column(block.change) *
+           (Column(block.hat).transpose() * y.middleRows(block.first_row, block.samples));
     }
     return Eigen::MatrixXd(ScaleOfColumns(f, column_scale).asDiagonal() * x);
   };

@@ -272,10 +272,13 @@ StageJob ResampleJob(const Run& run) {
 StageJob EncodeJob(const Run& run) {
   return {"encode",
           ToJson(run.options.encode),
-          {run.workspace.LightFieldFile()},
+          {run.workspace.LightFieldFile(), run.workspace.Stage("calib") / "poses.json"},
           [&run](const fs::path& folder) -> json {
-            const EncodeResult result = Encode(LightField::Open(run.workspace.LightFieldFile()),
-                                               run.options.encode, run.progress);
+            const LightField light_field = LightField::Open(run.workspace.LightFieldFile());
+            const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
+            const EncodeResult result = Encode(
+                SourceFromLightField(light_field, EyesOfPhotos(calib, light_field.photo_ids())),
+                run.options.encode, run.progress);
             return SaveEncode(result, folder);
           }};
 }

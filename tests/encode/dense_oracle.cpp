@@ -28,6 +28,8 @@ Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperat
               hat * (ResampledValue(field, block.triangle, block.corner, sample, channel,
                                     col % f.directions) -
                      mean[3 * sample + channel]);
+          if (!block.change.empty())
+            dense(block.first_row + sample, col) += hat * block.change[col];
         }
       }
     }

@@ -20,7 +20,8 @@ inline PatchMean ArbitraryMean(const SyntheticLightField& field, int triangle) {
   return mean;
 }
 
-/// F^v by its definition (hat times resampled value minus mean), in float64.
+/// F^v by its definition (hat times resampled value minus mean, and the blocks' change), in
+/// float64.
 Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperator& f,
                             const std::function<PatchMean(int)>& mean_of = nullptr);
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "core/error.h"
@@ -30,10 +31,22 @@ class FactoredOperator : public ::testing::Test {
     field_.triangles[5].values.clear();
     field_.triangles[5].weights = {};
   }
+  // Blended views of every other vertex are changed by what only the operator need not form.
   VertexOperator Operator(int vertex) {
     const VertexRings rings = ComputeVertexRings(field_.mesh);
+    LightFieldSource source = field_.Source();
+    if (vertex % 2 == 1) {
+      source.change = [this](int triangle, int corner, const ViewWeights&) {
+        std::vector<float> change(3 * field_.grid * field_.grid);
+        for (size_t i = 0; i < change.size(); ++i) {
+          change[i] =
+              0.3f * std::sin(static_cast<float>(i) + 5.f * static_cast<float>(triangle + corner));
+        }
+        return change;
+      };
+    }
     return BuildVertexOperator(
-        field_.Source(), vertex,
+        source, vertex,
         std::span(rings.triangles)
             .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]),
         [this](int t) { return ArbitraryMean(field_, t); });

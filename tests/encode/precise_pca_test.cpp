@@ -93,7 +93,15 @@ TEST(PrecisePca, AVertexHasTheSameTripletsAsInSinglePrecision) {
   const VertexRings rings = ComputeVertexRings(field.mesh);
   const std::span<const int> ring(rings.triangles.data() + rings.offsets[5],
                                   rings.triangles.data() + rings.offsets[6]);
-  const VertexOperator f = BuildVertexOperator(field.Source(), 5, ring, [&](int t) {
+  LightFieldSource source = field.Source();
+  source.change = [&](int triangle, int, const ViewWeights&) {
+    std::vector<float> change(3 * field.grid * field.grid);
+    for (size_t i = 0; i < change.size(); ++i) {
+      change[i] = 0.1F * std::sin(0.3F * static_cast<float>(i) + static_cast<float>(triangle));
+    }
+    return change;
+  };
+  const VertexOperator f = BuildVertexOperator(source, 5, ring, [&](int t) {
     return PatchMean(3 * PatchSampleCount(field.triangles[t].edge_samples), 0.4F);
   });
   const std::vector<float> scale = ColumnScale(f, 0.2);

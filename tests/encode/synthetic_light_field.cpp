@@ -8,16 +8,6 @@
 namespace lfm::testing {
 namespace {
 
-std::vector<Eigen::Vector3d> SpreadDirections(int count) {
-  std::vector<Eigen::Vector3d> directions;
-  const double golden = M_PI * (3 - std::sqrt(5.0));
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - z * z);
-    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
-  }
-  return directions;
-}
-
 LightField::WeightBuffer NearestViews(const std::vector<Eigen::Vector3d>& views_in_frame,
                                       DirectionMap map, int grid) {
   LightField::WeightBuffer buffer;
@@ -41,6 +31,16 @@ LightField::WeightBuffer NearestViews(const std::vector<Eigen::Vector3d>& views_
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> SpreadDirections(int count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = M_PI * (3 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  return directions;
+}
 
 LightFieldSource SyntheticLightField::Source() const {
   int64_t samples = 0;

@@ -31,6 +31,9 @@ struct SyntheticLightField {
 /// Octahedron, subdivided `levels` times and pushed to a sphere of radius 50 mm.
 TriangleMesh MakeSphere(int levels);
 
+/// `count` unit directions, spread evenly: those of MakeLightField's views.
+std::vector<Eigen::Vector3d> SpreadDirections(int count);
+
 /// sRGB-coded colour of surface point `p` seen from unit direction `to_eye`.
 using Appearance =
     std::function<Eigen::Vector3d(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye)>;
