@@ -103,9 +103,10 @@ struct ResampleResult {
 /// once for each (and once for its mask: pixels below half are no data), from several threads at
 /// the same time. Photographs are held as 4 bytes a pixel until the end (288 MB for 104 of 960 x
 /// 720), triangles only in batches of 256. Saturated values (a channel at 255) are lower bounds and
-/// imputed, and so are samples too near a depth edge (imputation.h). Where photographs differ in
-/// exposure or white balance they are brought to one (photo_gains.h). Triangles that nobody sees
-/// are written without views. The file does not depend on the number of threads.
+/// imputed, and so are samples too near a depth edge (imputation.h). Pixels of float pictures that
+/// are NaN are no data; infinite ones saturate. Where photographs differ in exposure or white
+/// balance they are brought to one (photo_gains.h). Triangles that nobody sees are written without
+/// views. The file does not depend on the number of threads.
 ///
 /// Throws Error when no photograph can be used, a picture is missing or has another size than its
 /// camera, a mask does not fit, an option is out of range, a mesh is invalid, or the file cannot be

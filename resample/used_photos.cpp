@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "resample/used_photos.h"
 
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/error.h"
@@ -33,6 +35,19 @@ void ApplyMask(const Image& mask, const std::string& file, const Camera& camera,
   for (size_t i = 0; i < usable.size(); ++i) {
     if (values[i * static_cast<size_t>(coded.channels())] < 128) {
       usable[i] = PixelUse::kForbidden;
+    }
+  }
+}
+
+// Pictures of floats may hold NaN where a camera or a converter gave up. Infinity is a highlight
+// beyond what the file can hold: it saturates.
+void ForbidWhatIsNoNumber(const Image& picture, std::vector<PixelUse>& usable) {
+  const auto channels = static_cast<size_t>(picture.channels());
+  if (picture.type() != PixelType::kFloat32 || picture.size() != usable.size() * channels) return;
+  const float* values = picture.Data<float>();
+  for (size_t i = 0; i < picture.size(); ++i) {
+    if (std::isnan(values[i]) || values[i] == -std::numeric_limits<float>::infinity()) {
+      usable[i / channels] = PixelUse::kForbidden;
     }
   }
 }
@@ -85,6 +100,7 @@ std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
     sight.depth = RenderDepth(surface, surface_scene, photo.camera, rays.at(photo.camera_name),
                               photo.camera_from_world);
     sight.usable = FindUsablePixels(sight.depth, photo.camera, options.depth_margin_px);
+    ForbidWhatIsNoNumber(picture, sight.usable);
     if (!photo.mask.empty()) {
       ApplyMask(load_image(photo.mask), photo.mask, photo.camera, sight.usable);
     }

@@ -223,6 +223,40 @@ TEST(Resample, TakesMaskedPixelsForNoData) {
   EXPECT_GT(seen, 5);
 }
 
+// The left half of one float picture is NaN, an infinite pixel saturates, linear values from 1e-6
+// to 1e6 stay values.
+TEST(Resample, TakesPixelsThatAreNoNumbersForNoData) {
+  auto made = SphereCapture(SmoothColor, {0, 0, 0}, 6, 1);
+  Image picture = ToLinearFloat(made.pictures.at(made.capture.photos[2].file));
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < 120; ++x) picture.At<float>(x, y, x % 3) = std::nanf("");
+    picture.At<float>(150, y, 0) = HUGE_VALF;
+    picture.At<float>(155, y, 1) = 1e6F;
+    picture.At<float>(160, y, 2) = 1e-6F;
+  }
+  made.pictures[made.capture.photos[2].file] = picture;
+  const auto file = test::TestFolder("no_number") / "light_field.lfs";
+  const ResampleResult result = ResampleSphere(made, SmallOptions(), file);
+  EXPECT_GT(result.saturated_share, 0);
+  const LightField field = LightField::Open(file);
+  int seen = 0;
+  for (int t = 0; t < field.triangle_count(); ++t) {
+    const auto photos = field.Patch(t).photos;
+    if (std::find(photos.begin(), photos.end(), 2) == photos.end()) continue;
+    ++seen;
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (int c = 0; c < 3; ++c) {
+      middle +=
+          *Project(made.calib.cameras["camera"],
+                   made.calib.photos[2].camera_from_world *
+                       field.mesh().vertices[static_cast<size_t>(field.mesh().triangles[t][c])]) /
+          3;
+    }
+    EXPECT_GT(middle.x(), 119) << "at most half of a triangle may be estimated";
+  }
+  EXPECT_GT(seen, 5);
+}
+
 TEST(Resample, WritesTrianglesThatNobodySees) {
   auto made = SphereCapture(SmoothColor, {0, 0, 0}, 1, 1);
   made.calib.photos[0].camera_from_world = LookAt({0, 0, 900}, {0, 0, 1800}, {0, 1, 0});
