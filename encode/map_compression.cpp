@@ -71,14 +71,14 @@ Groups CollectGroups(const LightFieldModel& model, const MapScales& scales,
   return groups;
 }
 
-std::vector<int> ChooseCodes(const LightFieldModel& model, const Groups& groups,
-                             const MapCompressionOptions& options) {
+std::vector<GroupChoice> ChooseForms(const LightFieldModel& model, const Groups& groups,
+                                     const MapCompressionOptions& options) {
   if (options.vq_db > 0) {
     double entries = 0;
     for (const PatchPlacement& placement : model.placements) {
       entries += 3.0 * PatchSampleCount(placement.edge_samples) * model.grid * model.grid;
     }
-    return CodesForDistortion(groups.all, entries * std::pow(10.0, -options.vq_db / 10));
+    return ChooseForDistortion(groups.all, entries * std::pow(10.0, -options.vq_db / 10));
   }
   constexpr int64_t kIndexBytes = 2;
   int64_t all = 0, indices = 0;
@@ -88,7 +88,17 @@ std::vector<int> ChooseCodes(const LightFieldModel& model, const Groups& groups,
     indices += owners * kIndexBytes;
   }
   const double budget = static_cast<double>(all) / options.vq_ratio - static_cast<double>(indices);
-  return CodesForBytes(groups.all, std::max<int64_t>(0, static_cast<int64_t>(budget)));
+  return ChooseForBytes(groups.all, std::max<int64_t>(0, static_cast<int64_t>(budget)));
+}
+
+// Groups at the resolutions chosen, and their numbers of codes.
+std::vector<int> TakeForms(std::span<const GroupChoice> choices, Groups& groups) {
+  std::vector<int> codes;
+  for (size_t g = 0; g < choices.size(); ++g) {
+    for (int i = 0; i < choices[g].halvings; ++i) groups.all[g] = *HalfResolution(groups.all[g]);
+    codes.push_back(choices[g].codes);
+  }
+  return codes;
 }
 
 LightFieldModel SharePatches(const LightFieldModel& model, const MapScales& scales,
@@ -146,9 +156,8 @@ LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldMod
   std::vector<int> view_codes;
   if (options.WantsCodebooks()) {
     progress.Start("grouping maps", 3);
-    const Groups groups =
-        CollectGroups(model, scales, RefitViews(source, model, limits.guessed_weight));
-    const std::vector<int> codes = ChooseCodes(model, groups, options);
+    Groups groups = CollectGroups(model, scales, RefitViews(source, model, limits.guessed_weight));
+    const std::vector<int> codes = TakeForms(ChooseForms(model, groups, options), groups);
     view_codes.assign(codes.end() - model.terms, codes.end());
     progress.Advance();
     result = SharePatches(model, scales, groups, codes, layout);

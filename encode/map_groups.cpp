@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "encode/model_layout.h"
+#include "encode/patch_resolution.h"
 #include "encode/quantization.h"
 
 namespace lfm {
@@ -44,58 +45,123 @@ double DistortionOf(const std::vector<RatePoint>& rates, int codes) {
   return a.distortion * std::pow(b.distortion / a.distortion, along);
 }
 
+// One form of a group: its rates, and what it costs.
+struct Form {
+  std::vector<RatePoint> rates;
+  int64_t code_bytes = 0;
+  double lost = 0;
+};
+using Forms = std::vector<Form>;  // of one group, by halvings
+
+constexpr int kMostHalvings = 2;
+
+Forms FormsOf(const MapGroup& group) {
+  Forms forms = {{MeasureRates(group.vectors), group.code_bytes, group.lost}};
+  std::optional<MapGroup> half = HalfResolution(group);
+  while (half && static_cast<int>(forms.size()) <= kMostHalvings) {
+    forms.push_back({MeasureRates(half->vectors), half->code_bytes, half->lost});
+    half = HalfResolution(*half);
+  }
+  return forms;
+}
+
 struct Allocation {
-  std::vector<int> codes;
+  std::vector<GroupChoice> choices;
   int64_t bytes = 0;
   double distortion = 0;
 };
 
-using Rates = std::vector<std::vector<RatePoint>>;
-
 // The least of distortion + price * bytes, for each group.
-Allocation Allocate(std::span<const MapGroup> groups, const Rates& rates, double price) {
+Allocation Allocate(const std::vector<Forms>& groups, double price) {
   constexpr double kStep = 1.08;
   Allocation allocation;
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const int most = rates[g].empty() ? 1 : std::max(1, rates[g].back().codes);
-    int best = 1;
-    double least = HUGE_VAL;
-    for (int codes = 1; codes <= most;) {
-      const double cost =
-          DistortionOf(rates[g], codes) + price * static_cast<double>(codes * groups[g].code_bytes);
-      if (cost < least) {
-        least = cost;
-        best = codes;
+  for (const Forms& forms : groups) {
+    GroupChoice best;
+    double least = HUGE_VAL, distortion = 0;
+    for (int form = 0; form < static_cast<int>(forms.size()); ++form) {
+      const Form& own = forms[form];
+      const int most = own.rates.empty() ? 1 : std::max(1, own.rates.back().codes);
+      for (int codes = 1; codes <= most;) {
+        const double lost = own.lost + DistortionOf(own.rates, codes);
+        const double cost = lost + price * static_cast<double>(codes * own.code_bytes);
+        if (cost < least) {
+          least = cost;
+          best = {form, codes};
+          distortion = lost;
+        }
+        if (codes == most) break;
+        codes = std::min(most, std::max(codes + 1, static_cast<int>(codes * kStep)));
       }
-      if (codes == most) break;
-      codes = std::min(most, std::max(codes + 1, static_cast<int>(codes * kStep)));
     }
-    allocation.codes.push_back(best);
-    allocation.bytes += best * groups[g].code_bytes;
-    allocation.distortion += DistortionOf(rates[g], best);
+    allocation.choices.push_back(best);
+    allocation.bytes += best.codes * forms[best.halvings].code_bytes;
+    allocation.distortion += distortion;
   }
   return allocation;
 }
 
-// The lowest price (`rises`: the highest) at which an allocation fits.
-std::vector<int> AllocateToFit(std::span<const MapGroup> groups,
-                               const std::function<bool(const Allocation&)>& fits, bool dear_fits) {
-  Rates rates(groups.size());
-  for (size_t g = 0; g < groups.size(); ++g) rates[g] = MeasureRates(groups[g].vectors);
+// The lowest price at which an allocation fits, or the highest.
+enum class Fits { kWhenDear, kWhenCheap };
+std::vector<GroupChoice> AllocateToFit(std::span<const MapGroup> groups,
+                                       const std::function<bool(const Allocation&)>& fits,
+                                       Fits when) {
+  std::vector<Forms> forms;
+  for (const MapGroup& group : groups) forms.push_back(FormsOf(group));
+  const bool dear_fits = when == Fits::kWhenDear;
   double cheap = -40, dear = 40;  // log10 of the price
-  Allocation best = Allocate(groups, rates, std::pow(10.0, dear_fits ? dear : cheap));
+  Allocation best = Allocate(forms, std::pow(10.0, dear_fits ? dear : cheap));
   constexpr int kRounds = 60;
   for (int i = 0; i < kRounds; ++i) {
     const double middle = (cheap + dear) / 2;
-    Allocation allocation = Allocate(groups, rates, std::pow(10.0, middle));
+    Allocation allocation = Allocate(forms, std::pow(10.0, middle));
     const bool fit = fits(allocation);
     (fit == dear_fits ? dear : cheap) = middle;
     if (fit) best = std::move(allocation);
   }
-  return best.codes;
+  return best.choices;
 }
 
 }  // namespace
+
+std::optional<MapGroup> HalfResolution(const MapGroup& group) {
+  const int n = group.edge_samples;
+  if (n < 5 || n % 2 == 0) return std::nullopt;
+  const int half = (n + 1) / 2, samples = PatchSampleCount(n), fewer = PatchSampleCount(half);
+  const WeightedVectors& from = group.vectors;
+  const bool by_corner = from.segments == 3;  // else three channels a sample
+  MapGroup coarse{half,
+                  group.owners,
+                  {3 * fewer, from.segments, {}, from.weights},
+                  PatchBytes(half),
+                  group.lost};
+  coarse.vectors.values.resize(group.owners.size() * 3 * fewer);
+  for (size_t i = 0; i < group.owners.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const auto at = [by_corner, c](int sample, int count) {
+        return by_corner ? c * count + sample : 3 * sample + c;
+      };
+      std::vector<float> patch(samples);
+      for (int s = 0; s < samples; ++s) {
+        patch[s] = from.values[i * from.dimensions + at(s, samples)];
+      }
+      const std::vector<float> halved = HalvePatch(patch, n);
+      for (int s = 0; s < fewer; ++s) {
+        coarse.vectors.values[i * coarse.vectors.dimensions + at(s, fewer)] = halved[s];
+      }
+      const std::vector<float> back = InterpolatePatch(halved, half, n);
+      double lost = 0;
+      for (int s = 0; s < samples; ++s) {
+        lost +=
+            (static_cast<double>(back[s]) - patch[s]) * (static_cast<double>(back[s]) - patch[s]);
+      }
+      coarse.lost += lost * (by_corner ? from.weights[3 * i + c] : from.weights[i]);
+    }
+  }
+  // A sample of the coarse patch stands for as many of the fine one.
+  const float share = static_cast<float>(samples) / static_cast<float>(fewer);
+  for (float& weight : coarse.vectors.weights) weight *= share;
+  return coarse;
+}
 
 MapScales MeasureMapScales(const LightFieldModel& model) {
   const size_t vertices = model.vertex_terms.size();
@@ -127,7 +193,7 @@ MapScales MeasureMapScales(const LightFieldModel& model) {
 std::vector<MapGroup> MeanGroups(const LightFieldModel& model) {
   std::vector<MapGroup> groups;
   for (auto& [n, triangles] : BySize(model, [](int) { return true; })) {
-    MapGroup group{n, std::move(triangles), {3 * PatchSampleCount(n), 1, {}, {}}, PatchBytes(n)};
+    MapGroup group{n, std::move(triangles), {3 * PatchSampleCount(n), 1, {}, {}}, PatchBytes(n), 0};
     for (const int t : group.owners) {
       for (const uint8_t code : ReadMean(model, t)) {
         group.vectors.values.push_back(static_cast<float>(code) / 255);
@@ -145,7 +211,7 @@ std::vector<MapGroup> SurfaceGroups(const LightFieldModel& model, const MapScale
   std::vector<MapGroup> groups;
   for (auto& [n, triangles] : BySize(model, [&](int t) { return model.TriangleTerms(t) > term; })) {
     const int samples = PatchSampleCount(n);
-    MapGroup group{n, std::move(triangles), {3 * samples, 3, {}, {}}, PatchBytes(n)};
+    MapGroup group{n, std::move(triangles), {3 * samples, 3, {}, {}}, PatchBytes(n), 0};
     group.vectors.values.reserve(size_t{3} * samples * group.owners.size());
     for (const int t : group.owners) {
       const PatchPlacement& placement = model.SurfacePlacement(term, t);
@@ -168,7 +234,7 @@ std::vector<MapGroup> SurfaceGroups(const LightFieldModel& model, const MapScale
 
 MapGroup ViewGroup(const LightFieldModel& model, std::span<const FittedViews> views, int term) {
   const int length = 3 * model.grid * model.grid;
-  MapGroup group{0, {}, {length, 1, {}, {}}, length};
+  MapGroup group{0, {}, {length, 1, {}, {}}, length, 0};
   for (int v = 0; v < static_cast<int>(views.size()); ++v) {
     if (model.vertex_terms[v] <= term) continue;
     group.owners.push_back(v);
@@ -186,14 +252,16 @@ MapGroup ViewGroup(const LightFieldModel& model, std::span<const FittedViews> vi
   return group;
 }
 
-std::vector<int> CodesForBytes(std::span<const MapGroup> groups, int64_t max_bytes) {
+std::vector<GroupChoice> ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes) {
   return AllocateToFit(
-      groups, [&](const Allocation& a) { return a.bytes <= max_bytes; }, true);
+      groups, [&](const Allocation& a) { return a.bytes <= max_bytes; }, Fits::kWhenDear);
 }
 
-std::vector<int> CodesForDistortion(std::span<const MapGroup> groups, double max_distortion) {
+std::vector<GroupChoice> ChooseForDistortion(std::span<const MapGroup> groups,
+                                             double max_distortion) {
   return AllocateToFit(
-      groups, [&](const Allocation& a) { return a.distortion <= max_distortion; }, false);
+      groups, [&](const Allocation& a) { return a.distortion <= max_distortion; },
+      Fits::kWhenCheap);
 }
 
 }  // namespace lfm

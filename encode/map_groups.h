@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,12 @@ struct MapGroup {
   std::vector<int> owners;  ///< triangles or vertices
   WeightedVectors vectors;
   int64_t code_bytes = 0;  ///< of one code in the pages
+  double lost = 0;         ///< distortion by its resolution, before any vector quantisation
 };
+
+/// The same maps with every second sample of their patches (Chen 2002, Section 5.2: lower
+/// resolution); none for view maps and where n is even or below 5.
+std::optional<MapGroup> HalfResolution(const MapGroup& group);
 
 /// RMS of each vertex's surface map over its ring, and sum of squares of its view map, of term k at
 /// k * V + v; 0 where the vertex has no such term.
@@ -39,10 +45,17 @@ std::vector<MapGroup> SurfaceGroups(const LightFieldModel& model, const MapScale
 /// each counts by that RMS and the energy of its surface map. No vertex with the term: no owners.
 MapGroup ViewGroup(const LightFieldModel& model, std::span<const FittedViews> views, int term);
 
-/// How many codes each group gets, at least one: those for which no byte spent elsewhere would
-/// lower the total distortion more, as MeasureRates estimates it. Codes together take `max_bytes`
-/// at most (but one code a group), or lose `max_distortion` at most.
-std::vector<int> CodesForBytes(std::span<const MapGroup> groups, int64_t max_bytes);
-std::vector<int> CodesForDistortion(std::span<const MapGroup> groups, double max_distortion);
+/// In which form a group is stored, and with how many codes.
+struct GroupChoice {
+  int halvings = 0;  ///< of the resolution
+  int codes = 1;
+};
+
+/// What each group gets, one code at least: that for which no byte spent elsewhere would lower the
+/// total distortion more, as MeasureRates estimates it. Codes together take `max_bytes` at most
+/// (but one code a group at the lowest resolution), or lose `max_distortion` at most.
+std::vector<GroupChoice> ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes);
+std::vector<GroupChoice> ChooseForDistortion(std::span<const MapGroup> groups,
+                                             double max_distortion);
 
 }  // namespace lfm

@@ -8,24 +8,16 @@
 #include "core/image_metrics.h"
 #include "core/parallel.h"
 #include "encode/decoded_term.h"
-#include "encode/model_layout.h"
+#include "encode/patch_resolution.h"
 
 namespace lfm {
 namespace {
-
-PatchMean MeanOf(const LightFieldModel& model, int triangle) {
-  PatchMean mean;
-  for (const uint8_t code : ReadMean(model, triangle)) {
-    mean.push_back(static_cast<float>(code) / 255);
-  }
-  return mean;
-}
 
 ModelError VertexError(const LightFieldSource& source, const LightFieldModel& model,
                        std::span<const int> ring, int vertex) {
   const bool holds_mean = model.mean_in_terms && model.vertex_terms[vertex] > 0;
   const VertexOperator f = BuildVertexOperator(source, vertex, ring, [&](int triangle) {
-    PatchMean mean = MeanOf(model, triangle);
+    PatchMean mean = MeanAtResolution(model, triangle, source.patch(triangle).edge_samples);
     if (holds_mean) mean.assign(mean.size(), 0.f);
     return mean;
   });
@@ -36,7 +28,7 @@ ModelError VertexError(const LightFieldSource& source, const LightFieldModel& mo
   error.squared_error = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
   std::vector<DecodedTerm> terms;
   for (int k = 0; k < model.vertex_terms[vertex]; ++k) {
-    const TermMaps maps = ReadVertexTerm(model, ring, vertex, k);
+    const TermMaps maps = TermAtResolution(model, f, ring, vertex, k);
     DecodedTerm& term = terms.emplace_back();
     DecodeSurface(f, maps, term);
     DecodeView(f, maps, term);
@@ -51,7 +43,9 @@ void CheckSameObject(const LightFieldSource& source, const LightFieldModel& mode
               source.mesh.triangles == model.mesh.triangles &&
               source.mesh.vertices.size() == model.mesh.vertices.size();
   for (size_t t = 0; same && t < model.placements.size(); ++t) {
-    same = source.patch(static_cast<int>(t)).edge_samples == model.placements[t].edge_samples;
+    // Patches may have fewer samples than the light field's.
+    const int n = source.patch(static_cast<int>(t)).edge_samples;
+    same = n >= 2 && (n - 1) % (model.placements[t].edge_samples - 1) == 0;
   }
   if (!same) throw Error("the model and the light field are not of one mesh and one view grid");
 }

@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "encode/decoded_term.h"
 #include "encode/model_layout.h"
+#include "encode/patch_resolution.h"
 #include "encode/quantization.h"
 #include "encode/vertex_factorization.h"
 
@@ -25,11 +26,7 @@ std::vector<float> DecodedView(const TermMaps& maps) {
 VertexOperator OperatorOf(const LightFieldSource& source, const LightFieldModel& model,
                           std::span<const int> ring, int vertex) {
   return BuildVertexOperator(source, vertex, ring, [&](int triangle) {
-    PatchMean mean;
-    for (const uint8_t code : ReadMean(model, triangle)) {
-      mean.push_back(static_cast<float>(code) / 255);
-    }
-    return mean;
+    return MeanAtResolution(model, triangle, source.patch(triangle).edge_samples);
   });
 }
 
@@ -45,7 +42,7 @@ FittedViews FitVertex(const LightFieldSource& source, const LightFieldModel& mod
   }
   std::vector<DecodedTerm> decoded(terms);
   for (int k = 0; k < terms; ++k) {
-    const TermMaps maps = ReadVertexTerm(model, ring, vertex, k);
+    const TermMaps maps = TermAtResolution(model, f, ring, vertex, k);
     DecodeSurface(f, maps, decoded[k]);
     fitted.views.push_back(DecodedView(maps));
     for (int l = 0; l <= k; ++l) {

@@ -15,6 +15,7 @@
 #include "encode/encode.h"
 #include "encode/model_error.h"
 #include "encode/model_evaluation.h"
+#include "encode/patch_resolution.h"
 #include "encode/view_refit.h"
 #include "tests/encode/edge_jump.h"
 #include "tests/encode/model_oracle.h"
@@ -232,10 +233,10 @@ TEST_F(MapCompression, JumpsAcrossEdgesStayBounded) {
     MapCompressionOptions options;
     double largest, rms;  // levels of 255
   };
-  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 30, 4},
-                        {{.blocks = PageBlocks::kBc1}, 60, 6},
-                        {{.vq_ratio = 4}, 80, 8},
-                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 80, 10}};
+  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 45, 7},
+                        {{.blocks = PageBlocks::kBc1}, 60, 8},
+                        {{.vq_ratio = 4}, 40, 5},
+                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 80, 12}};
   for (const Case& one : cases) {
     const EdgeJumps jumps = JumpsAcrossEdges(Compressed(one.options));
     std::printf("largest %.1f, rms %.2f levels\n", jumps.largest, jumps.rms);
@@ -243,6 +244,41 @@ TEST_F(MapCompression, JumpsAcrossEdgesStayBounded) {
     EXPECT_LE(jumps.largest, one.largest);
     EXPECT_LE(jumps.rms, one.rms);
   }
+}
+
+// Half a patch's resolution, and back: linear functions stay, on the hypotenuse too.
+TEST(PatchResolution, LinearFunctionsComeBack) {
+  for (const int n : {5, 9, 25}) {
+    std::vector<float> values(PatchSampleCount(n));
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i + j < n; ++i) {
+        values[PatchSampleIndex(n, i, j)] =
+            3.f + 2.f * static_cast<float>(i) - static_cast<float>(j);
+      }
+    }
+    const std::vector<float> half = HalvePatch(values, n);
+    ASSERT_EQ(static_cast<int>(half.size()), PatchSampleCount((n + 1) / 2));
+    const std::vector<float> back = InterpolatePatch(half, (n + 1) / 2, n);
+    for (size_t s = 0; s < values.size(); ++s) EXPECT_NEAR(back[s], values[s], 1e-4);
+    EXPECT_EQ(InterpolatePatch(values, n, n), values);
+  }
+}
+
+// A smooth surface does not need all its samples when bytes are short; with all the bytes it keeps
+// them.
+TEST_F(MapCompression, SmoothPatchesAreStoredAtALowerResolution) {
+  const auto smaller = [&](const LightFieldModel& model) {
+    int count = 0;
+    for (size_t t = 0; t < model.placements.size(); ++t) {
+      count += model.placements[t].edge_samples < plain_.placements[t].edge_samples;
+      for (int k = 0; k < model.TriangleTerms(static_cast<int>(t)); ++k) {
+        count += model.surface_placements[k][t].edge_samples < plain_.placements[t].edge_samples;
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(smaller(Compressed({.vq_ratio = 1.001})), 0);
+  EXPECT_GT(smaller(Compressed({.vq_ratio = 8})), 100);
 }
 
 TEST_F(MapCompression, DoesNotDependOnThreads) {
