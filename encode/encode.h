@@ -141,7 +141,8 @@ struct EncodeResult {
   int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
 };
 
-/// Factorises every vertex light field (its hat-weighted blocks, in factored form), quantises in
+/// Fills directions (a source without eyes, and nonnegative terms, by blending alone), then
+/// factorises every vertex light field (its hat-weighted blocks, in factored form), quantises in
 /// closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
 /// the maps, in memory and in transport form. Two runs give the same bytes, whatever the number of
 /// threads. Memory: the model, the 8-bit maps of all terms that may be chosen, and one vertex ring

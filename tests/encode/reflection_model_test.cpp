@@ -189,6 +189,20 @@ TEST(ReflectionModel, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.light, three.light);
 }
 
+TEST(ReflectionModel, FindsWherePhotographsWereTaken) {
+  CalibResult calib;
+  for (const char* id : {"a", "b"}) {
+    PosedImage& photo = calib.photos.emplace_back();
+    photo.id = id;
+    photo.camera_from_world.translation = {0, 0, id[0] == 'a' ? -1.0 : -2.0};
+  }
+  const std::vector<Eigen::Vector3d> eyes = EyesOfPhotos(calib, {"b", "a"});
+  ASSERT_EQ(eyes.size(), 2u);
+  EXPECT_EQ(eyes[0], Eigen::Vector3d(0, 0, 2));
+  EXPECT_EQ(eyes[1], Eigen::Vector3d(0, 0, 1));
+  EXPECT_THROW(EyesOfPhotos(calib, {"c"}), Error);
+}
+
 TEST(ReflectionModel, TakesExtremes) {
   const Appearance black = [](const Eigen::Vector3d&, const Eigen::Vector3d&) {
     return Eigen::Vector3d(0, 0, 0);
