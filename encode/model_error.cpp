@@ -43,9 +43,11 @@ void CheckSameObject(const LightFieldSource& source, const LightFieldModel& mode
               source.mesh.triangles == model.mesh.triangles &&
               source.mesh.vertices.size() == model.mesh.vertices.size();
   for (size_t t = 0; same && t < model.placements.size(); ++t) {
-    // Patches may have fewer samples than the light field's.
+    // Patches of codebooks may have fewer samples than the light field's.
     const int n = source.patch(static_cast<int>(t)).edge_samples;
-    same = n >= 2 && (n - 1) % (model.placements[t].edge_samples - 1) == 0;
+    const int own = model.placements[t].edge_samples;
+    const bool coarser = !model.surface_placements.empty() || model.terms == 0;
+    same = n == own || (coarser && n >= 2 && (n - 1) % (own - 1) == 0);
   }
   if (!same) throw Error("the model and the light field are not of one mesh and one view grid");
 }
