@@ -35,16 +35,10 @@ int DiagonalClass(int diagonal) {
   return static_cast<int>(std::lower_bound(kEnds.begin(), kEnds.end(), diagonal) - kEnds.begin());
 }
 
-// Of 2 a + 2 b + c + d + e.
-int NeighborClass(int64_t magnitude) {
-  constexpr std::array<int64_t, 7> kEnds = {0, 1, 2, 4, 6, 9, 14};
-  return static_cast<int>(std::lower_bound(kEnds.begin(), kEnds.end(), magnitude) - kEnds.begin());
-}
-
-int64_t Magnitude(const CoefficientBlock& block, int channel, int row, int column) {
-  if (row < 0 || column < 0) return 0;
-  if (block.triangular && row < column) std::swap(row, column);
-  return std::abs(int64_t{block.At(channel, row, column)});
+// Of 2 a + 2 b + c + d + e: 0, 1, 2, 3-4, 5-6, 7-9, 10-14, more.
+int NeighborClass(int magnitude) {
+  constexpr std::array<uint8_t, 16> kClasses = {0, 1, 2, 3, 3, 4, 4, 5, 5, 5, 6, 6, 6, 6, 6, 7};
+  return kClasses[std::min(magnitude, 15)];
 }
 
 int NonzeroDiagonals(const CoefficientBlock& block, int channel) {
@@ -92,40 +86,46 @@ CoefficientBlock MakeBlock(int side, int channels, bool triangular) {
 }
 
 template <typename Coder, typename Block>
-void CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column, Block& block) {
-  const int64_t near = 2 * Magnitude(block, channel, row - 1, column) +
-                       2 * Magnitude(block, channel, row, column - 1) +
-                       Magnitude(block, channel, row - 1, column - 1) +
-                       Magnitude(block, channel, row - 2, column) +
-                       Magnitude(block, channel, row, column - 2);
-  const int neighbors = NeighborClass(near);
+int CoefficientModels::CodeValue(Coder& coder, int channel, int row, int column, int diagonal_class,
+                                 const int* near, Block& block) {
+  const int stride = block.side + kBorder;
+  const int neighbors = NeighborClass(2 * (near[-stride] + near[-1]) + near[-stride - 1] +
+                                      near[-2 * stride] + near[-2]);
   const int first = channel == 0 ? 0 : std::min(std::abs(block.At(0, row, column)), 2);
   auto&& value = block.At(channel, row, column);
   const int magnitude = std::abs(value);
-  BitModel& nonzero =
-      nonzero_[channel == 0 ? 0 : 1 + first][DiagonalClass(row + column)][neighbors];
+  BitModel& nonzero = nonzero_[channel == 0 ? 0 : 1 + first][diagonal_class][neighbors];
   int coded = coder.Bit(nonzero, magnitude != 0) ? 1 : 0;
-  if (coded != 0 && coder.Bit(above_one_[channel == 0 ? 0 : 1][neighbors], magnitude > 1)) {
+  if (coded == 0) return 0;
+  if (coder.Bit(above_one_[channel == 0 ? 0 : 1][neighbors], magnitude > 1)) {
     NumberModels& rest = rest_[neighbors];
     coded = 2 + static_cast<int>(rest.Code(coder, static_cast<uint32_t>(magnitude - 2)));
   }
-  const bool negative = coded != 0 && coder.Bits(value < 0 ? 1 : 0, 1) != 0;
+  const bool negative = coder.Bits(value < 0 ? 1 : 0, 1) != 0;
   if constexpr (Coder::kReads) value = negative ? -coded : coded;
+  return coded;
 }
 
 template <typename Coder, typename Block>
 void CoefficientModels::Code(Coder& coder, Block& block) {
-  const int most = 2 * block.side - 1;
+  const int most = 2 * block.side - 1, stride = block.side + kBorder;
   for (int channel = 0; channel < block.channels; ++channel) {
     const int wanted = Coder::kReads ? 0 : NonzeroDiagonals(block, channel);
     NumberModels& numbers = diagonals_[std::min(channel, 2)];
     const int diagonals =
         std::min(most, static_cast<int>(numbers.Code(coder, static_cast<uint32_t>(wanted))));
     if constexpr (Coder::kReads) block.diagonals[channel] = diagonals;
+    const int rows = std::min(diagonals, block.side) + kBorder;
+    magnitudes_.assign(static_cast<size_t>(rows) * stride, 0);
     for (int d = 0; d < diagonals; ++d) {
       const int first = std::max(0, d - block.side + 1), last = std::min(d, block.side - 1);
+      const int diagonal_class = DiagonalClass(d);
       for (int row = block.triangular ? (d + 1) / 2 : first; row <= last; ++row) {
-        CodeValue(coder, channel, row, d - row, block);
+        const int column = d - row;
+        int* near = magnitudes_.data() + (row + kBorder) * stride + column + kBorder;
+        *near = CodeValue(coder, channel, row, column, diagonal_class, near, block);
+        if (!block.triangular) continue;
+        magnitudes_[(column + kBorder) * stride + row + kBorder] = *near;
       }
     }
   }

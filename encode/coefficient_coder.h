@@ -50,7 +50,8 @@ CoefficientBlock MakeBlock(int side, int channels, bool triangular);
 /// magnitudes of five neighbours of lower frequency, on the diagonal, and on the first channel's
 /// coefficient at the same place.
 ///
-/// Magnitudes are at most 2^24. Decoding damaged bytes gives wrong coefficients in those bounds.
+/// Magnitudes are at most 2^24 + 1. Decoding damaged bytes gives wrong coefficients in those
+/// bounds.
 class CoefficientModels {
  public:
   void Encode(RangeEncoder& coder, const CoefficientBlock& block);
@@ -61,14 +62,20 @@ class CoefficientModels {
   static constexpr int kChannelClasses = 4, kDiagonalClasses = 8, kNeighborClasses = 8;
   template <typename Coder, typename Block>
   void Code(Coder& coder, Block& block);
+  // Returns the magnitude; `near` points to its place among those of the channel.
   template <typename Coder, typename Block>
-  void CodeValue(Coder& coder, int channel, int row, int column, Block& block);
+  int CodeValue(Coder& coder, int channel, int row, int column, int diagonal_class, const int* near,
+                Block& block);
 
   std::array<NumberModels, 3> diagonals_;
   std::array<std::array<std::array<BitModel, kNeighborClasses>, kDiagonalClasses>, kChannelClasses>
       nonzero_;
   std::array<std::array<BitModel, kNeighborClasses>, 2> above_one_;
   std::array<NumberModels, kNeighborClasses> rest_;
+  // Of the channel being coded, both halves of triangles, behind a border of zeros: the
+  // neighbours of lower frequency lie at fixed distances.
+  static constexpr int kBorder = 2;
+  std::vector<int> magnitudes_;
 };
 
 }  // namespace lfm

@@ -222,7 +222,8 @@ EncodeResult Encode(const LightFieldSource& source, const EncodeOptions& options
   if (options.transport_db > 0 && !FitsTransportForm(result.model)) {
     progress.Note("the model is too large for the transport form: no model.lfz");
   } else if (options.transport_db > 0) {
-    result.transport = EncodeTransport(result.model, {options.transport_db});
+    result.transport =
+        EncodeTransport(result.model, {options.transport_db, options.geometry_error});
   }
   return result;
 }

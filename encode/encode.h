@@ -25,6 +25,7 @@ struct EncodeOptions {
   PcaSolver solver = PcaSolver::kFactored;
   double guessed_weight = 0.2;
   double transport_db = 52;  ///< 0 = no transport form
+  double geometry_error = 0.18;
   int max_texture_size = 4096;
   void Declare(OptionVisitor& v) {
     v.Enumeration(
@@ -69,6 +70,11 @@ struct EncodeOptions {
               "(20 to 90); 0 = do not write it.",
               "dB", 0, 90},
              transport_db);
+    v.Number({"geometry-error",
+              "How far the transport form may move a vertex, in samples of the surface maps "
+              "(1.5 pixels of a photograph at most).",
+              "", 0.001, 10},
+             geometry_error);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
   }

@@ -28,9 +28,7 @@ void QuantizeSurface(std::span<const int> edge_samples, const SharedSamples& sha
   const auto scale = static_cast<float>(factor);
   maps.surface_range = SurfaceRange(extent.low * scale, extent.high * scale);
   maps.surface_codes.resize(values.size());
-  for (size_t row = 0; row < values.size(); ++row) {
-    maps.surface_codes[row] = QuantizeValue(maps.surface_range, values[row] * scale);
-  }
+  QuantizeValues(maps.surface_range, scale, values, maps.surface_codes.data());
   std::vector<uint8_t*> patches;
   uint8_t* patch = maps.surface_codes.data();
   for (const int n : edge_samples) {
@@ -41,15 +39,19 @@ void QuantizeSurface(std::span<const int> edge_samples, const SharedSamples& sha
 }
 
 void QuantizeView(std::span<const float> values, TermMaps& maps) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  maps.view_range = ViewRange(*low, *high);
+  const Eigen::Map<const Eigen::ArrayXf> all(values.data(),
+                                             static_cast<Eigen::Index>(values.size()));
+  maps.view_range = ViewRange(all.minCoeff(), all.maxCoeff());
   const size_t directions = values.size() / 3;
+  std::vector<uint8_t> codes(values.size());
+  QuantizeValues(maps.view_range, 1, values, codes.data());
   maps.view_codes.resize(values.size());
-  for (size_t channel = 0; channel < 3; ++channel) {
-    for (size_t q = 0; q < directions; ++q) {
-      maps.view_codes[3 * q + channel] =
-          QuantizeValue(maps.view_range, values[channel * directions + q]);
-    }
+  const uint8_t* __restrict from = codes.data();
+  uint8_t* __restrict to = maps.view_codes.data();
+  for (size_t q = 0; q < directions; ++q) {
+    to[3 * q] = from[q];
+    to[3 * q + 1] = from[directions + q];
+    to[3 * q + 2] = from[2 * directions + q];
   }
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/map_transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/error.h"
+#include "encode/map_kernels.h"
 #include "resample/light_field.h"
 
 namespace lfm {
@@ -28,11 +30,18 @@ const float kHalfPower = std::sqrt(0.5F);
 
 MapTransform::MapTransform(std::span<const int> sides) {
   for (const int side : sides) {
-    if (!bases_.contains(side)) bases_.emplace(side, CosineBasis(side));
+    if (bases_.contains(side)) continue;
+    const int padded = kernels::PaddedSide(side);
+    Basis& basis = bases_[side];
+    basis.cosines = CosineBasis(side);
+    basis.padded.assign(static_cast<size_t>(side) * padded, 0.F);
+    for (int k = 0; k < side; ++k) {
+      for (int i = 0; i < side; ++i) basis.padded[k * padded + i] = basis.cosines(k, i);
+    }
   }
 }
 
-const Eigen::MatrixXf& MapTransform::Basis(int side) const {
+const MapTransform::Basis& MapTransform::BasisOf(int side) const {
   const auto found = bases_.find(side);
   if (found == bases_.end()) {
     throw Error("transform: this side was not prepared", ErrorKind::kSystem);
@@ -41,13 +50,25 @@ const Eigen::MatrixXf& MapTransform::Basis(int side) const {
 }
 
 Eigen::MatrixXf MapTransform::ToSquare(const Eigen::MatrixXf& samples) const {
-  const Eigen::MatrixXf& basis = Basis(static_cast<int>(samples.rows()));
+  const Eigen::MatrixXf& basis = BasisOf(static_cast<int>(samples.rows())).cosines;
   return basis * samples * basis.transpose();
 }
 
-Eigen::MatrixXf MapTransform::FromSquare(int side, const Eigen::MatrixXf& low) const {
-  const auto basis = Basis(side).topRows(low.rows());
-  return basis.transpose() * (low * basis).eval();
+void MapTransform::Invert(int side, const LowFrequencies& low, TransformBuffers& buffers) const {
+  const auto padded = static_cast<size_t>(kernels::PaddedSide(side));
+  buffers.rows.resize(low.used * padded);
+  buffers.samples.resize(side * padded);
+  kernels::InverseCosines(BasisOf(side).padded.data(), side, low.values.data(), low.used,
+                          buffers.rows.data(), buffers.samples.data());
+}
+
+void MapTransform::FromSquare(int side, const LowFrequencies& low, std::span<float> samples,
+                              TransformBuffers& buffers) const {
+  Invert(side, low, buffers);
+  const float* row = buffers.samples.data();
+  for (int y = 0; y < side; ++y, row += kernels::PaddedSide(side)) {
+    std::copy_n(row, side, samples.data() + static_cast<size_t>(y) * side);
+  }
 }
 
 Eigen::MatrixXf MapTransform::ToTriangle(int n, std::span<const float> samples) const {
@@ -65,17 +86,21 @@ Eigen::MatrixXf MapTransform::ToTriangle(int n, std::span<const float> samples) 
   return coefficients;
 }
 
-void MapTransform::FromTriangle(int n, const Eigen::MatrixXf& low, std::span<float> samples) const {
-  Eigen::MatrixXf full = low;
-  full.diagonal() /= kHalfPower;
-  for (int row = 0; row < static_cast<int>(low.rows()); ++row) {
+void MapTransform::FromTriangle(int n, const LowFrequencies& low, std::span<float> samples,
+                                TransformBuffers& buffers) const {
+  LowFrequencies& square = buffers.mirrored;
+  square = low;
+  for (int row = 0; row < low.used; ++row) {
+    square.At(row, row) /= kHalfPower;
     for (int column = 0; column < row; ++column) {
-      full(column, row) = (row + column) % 2 == 0 ? full(row, column) : -full(row, column);
+      const float value = low.At(row, column);
+      square.At(column, row) = (row + column) % 2 == 0 ? value : -value;
     }
   }
-  const Eigen::MatrixXf square = FromSquare(n, full);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i + j < n; ++i) samples[PatchSampleIndex(n, i, j)] = square(j, i);
+  Invert(n, square, buffers);
+  const float* row = buffers.samples.data();
+  for (int j = 0; j < n; ++j, row += kernels::PaddedSide(n)) {
+    std::copy_n(row, n - j, samples.data() + PatchSampleIndex(n, 0, j));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encode/map_kernels.h"
+
 namespace lfm {
 namespace {
 
@@ -41,6 +43,13 @@ uint8_t QuantizeValue(const MapRange& range, float value) {
   if (!(range.scale > 0)) return 0;
   const double code = (static_cast<double>(value) - range.bias) * 255 / range.scale;
   return code > 0 ? static_cast<uint8_t>(std::min(code, 255.0) + 0.5) : 0;
+}
+
+void QuantizeValues(const MapRange& range, float factor, std::span<const float> values,
+                    uint8_t* codes) {
+  const float steps = range.scale > 0 ? 255 / range.scale : 0;
+  kernels::QuantizeCodes(values.data(), static_cast<long>(values.size()), factor, range.bias, steps,
+                         codes);
 }
 
 }  // namespace lfm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "encode/model.h"
 
@@ -31,6 +32,10 @@ MapRange ViewRange(float low, float high);
 
 /// The nearest code, clamped; 0 where the scale is 0 or the value is NaN.
 uint8_t QuantizeValue(const MapRange& range, float value);
+/// The codes of values * factor, in float32: a value within some 1e-4 codes of the middle between
+/// two may get the other.
+void QuantizeValues(const MapRange& range, float factor, std::span<const float> values,
+                    uint8_t* codes);
 /// `scale * code / 255 + bias`; fractional codes are interpolated codes.
 inline float DecodeValue(const MapRange& range, float code) {
   return range.scale * code / 255 + range.bias;

@@ -70,20 +70,6 @@ void RangeDecoder::Normalize() {
   }
 }
 
-bool RangeDecoder::Decode(BitModel& model) {
-  const uint32_t bound = (range_ >> 15) * model.zero();
-  const bool bit = code_ >= bound;
-  if (bit) {
-    code_ -= bound;
-    range_ -= bound;
-  } else {
-    range_ = bound;
-  }
-  model.Learn(bit);
-  Normalize();
-  return bit;
-}
-
 uint32_t RangeDecoder::DecodeBits(int count) {
   uint32_t value = 0;
   for (int i = 0; i < count; ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,7 +9,7 @@
 namespace lfm {
 
 /// The probability of a 0 bit, learnt from the bits that were coded with it: the mean of a fast and
-/// a slow estimate.
+/// a slow estimate. The first bits count for more, as if there had been half a bit before them.
 class BitModel {
  public:
   /// Of 32768; never 0 nor 32768.
@@ -17,14 +18,27 @@ class BitModel {
     return p < kLeast ? kLeast : p > 32768 - kLeast ? 32768 - kLeast : p;
   }
   void Learn(bool bit) {
-    const int target = bit ? 0 : 65535;
-    fast_ = static_cast<uint16_t>(fast_ + (target - fast_) / 16);
-    slow_ = static_cast<uint16_t>(slow_ + (target - slow_) / 128);
+    const int target = bit ? 0 : 65535, from_fast = target - fast_, from_slow = target - slow_;
+    if (count_ < kSlow) {
+      const int share = kShares[count_++];
+      fast_ = static_cast<uint16_t>(fast_ + ((from_fast * (share > kFast ? share : kFast)) >> 15));
+      slow_ = static_cast<uint16_t>(slow_ + ((from_slow * share) >> 15));
+      return;
+    }
+    fast_ = static_cast<uint16_t>(fast_ + (from_fast >> 4));
+    slow_ = static_cast<uint16_t>(slow_ + (from_slow >> 7));
   }
 
  private:
   static constexpr uint32_t kLeast = 32;
-  uint16_t fast_ = 32768, slow_ = 32768;
+  static constexpr int kSlow = 128, kFast = 32768 / 16;
+  // 1 / (n + 1/2) of 32768, for the n-th bit.
+  static constexpr std::array<uint16_t, kSlow> kShares = [] {
+    std::array<uint16_t, kSlow> shares{};
+    for (int n = 1; n <= kSlow; ++n) shares[n - 1] = static_cast<uint16_t>(65536 / (2 * n + 1));
+    return shares;
+  }();
+  uint16_t fast_ = 32768, slow_ = 32768, count_ = 0;
 };
 
 /// Binary range coder with carry propagation (Martin 1979; bits with learnt probabilities as in
@@ -51,11 +65,24 @@ class RangeEncoder {
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::string_view bytes);
-  bool Decode(BitModel& model);
+  bool Decode(BitModel& model) {
+    const uint32_t bound = (range_ >> 15) * model.zero();
+    const bool bit = code_ >= bound;
+    if (bit) {
+      code_ -= bound;
+      range_ -= bound;
+    } else {
+      range_ = bound;
+    }
+    model.Learn(bit);
+    if (range_ < kLeastRange) Normalize();
+    return bit;
+  }
   uint32_t DecodeBits(int count);
   bool overrun() const { return overrun_; }
 
  private:
+  static constexpr uint32_t kLeastRange = 1U << 24;
   uint8_t NextByte();
   void Normalize();
   std::string_view bytes_;

@@ -138,8 +138,26 @@ std::vector<double> SharedNodes(const SharedEdge& edge, int channels, int channe
   return nodes;
 }
 
+// Two measured patches of equal n: their samples are the nodes.
+bool AreAlike(const SharedEdge& edge, std::span<const PatchValues> patches) {
+  return edge.uses.size() == 2 && edge.uses[0].edge_samples == edge.uses[1].edge_samples &&
+         patches[edge.uses[0].patch].measured && patches[edge.uses[1].patch].measured;
+}
+
+void AverageAlike(const SharedEdge& edge, int channels, std::span<const PatchValues> patches) {
+  const EdgeUse &a = edge.uses[0], &b = edge.uses[1];
+  for (int step = 0; step < a.edge_samples; ++step) {
+    float* first = patches[a.patch].values + UseSampleIndex(a, step) * channels;
+    float* second = patches[b.patch].values + UseSampleIndex(b, step) * channels;
+    for (int c = 0; c < channels; ++c) {
+      first[c] = second[c] = static_cast<float>((static_cast<double>(first[c]) + second[c]) / 2);
+    }
+  }
+}
+
 void AverageEdge(const SharedEdge& edge, int channels, std::span<const PatchValues> patches) {
   if (edge.uses.size() < 2) return;
+  if (AreAlike(edge, patches)) return AverageAlike(edge, channels, patches);
   for (int c = 0; c < channels; ++c) {
     const std::vector<double> nodes = SharedNodes(edge, channels, c, patches);
     for (const EdgeUse& use : edge.uses) {
@@ -183,6 +201,7 @@ void MakeCodesContinuous(const SharedSamples& shared, int channels,
     if (edge.uses.size() < 2) continue;
     for (const EdgeUse& use : edge.uses) {
       const int ratio = (use.edge_samples - 1) / edge.segments;
+      if (ratio == 1) continue;
       uint8_t* codes = patches[use.patch];
       for (int step = 0; step < use.edge_samples; ++step) {
         const int rest = step % ratio;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "encode/model.h"
+#include "encode/model_order.h"
 
 namespace lfm {
 
@@ -17,12 +18,16 @@ namespace lfm {
 struct TransportOptions {
   /// PSNR of the light field that comes back, against that of the model; 20 to 90.
   double psnr_db = 52;
+  /// How far a vertex may move, in samples of the surface maps (median spacing); 0.001 to 10. Maps
+  /// have two to four samples for every three pixels of a photograph: a quarter of a pixel at most.
+  double geometry_error = 0.18;
 };
 
 /// The stream, and how much of it is geometry and mean view.
 struct EncodedTransport {
   std::string bytes;
   int64_t geometry_bytes = 0, mean_bytes = 0;
+  MeshOrder order;  ///< of the vertices and triangles that come back, in those of the model
 };
 
 /// Whether the model is not too large for the form: 4 million vertices, 8 million triangles, 2^28
@@ -34,7 +39,9 @@ bool FitsTransportForm(const LightFieldModel& model);
 /// directions, opponent colours) are rounded to multiples of one step for the whole model (a dead
 /// zone saves 2 % of the bytes and costs 0.1 dB of held-out PSNR). The step follows from `psnr_db`,
 /// judged over all vertices' matrices as in EncodeResult::matrix_psnr_db; the mean view is coded to
-/// the same PSNR. What rounds to zero goes.
+/// the same PSNR. What rounds to zero goes. The mesh is rounded to a lattice and coded in an order
+/// of its own (mesh_coder.h): ReorderModel with the inverse of `order` puts a decoded model in the
+/// order of the first.
 ///
 /// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent
 /// or does not fit, or a PSNR out of range.

@@ -1,28 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/transport_stream.h"
 
-#include "core/parallel.h"
-#include "resample/light_field.h"
-
 namespace lfm::transport {
 
-std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& edge_samples) {
-  const VertexRings rings = ComputeVertexRings(mesh);
-  std::vector<Ring> result(mesh.vertices.size());
-  ParallelFor(0, static_cast<int64_t>(result.size()), [&](int64_t v) {
-    Ring& ring = result[v];
-    std::vector<Eigen::Vector3i> corners;
-    for (int e = rings.offsets[v]; e < rings.offsets[v + 1]; ++e) {
-      const int triangle = rings.triangles[e];
-      ring.triangles.push_back(triangle);
-      ring.edge_samples.push_back(edge_samples[triangle]);
-      ring.corners.push_back(CornerOf(mesh.triangles[triangle], static_cast<int>(v)));
-      ring.samples += PatchSampleCount(edge_samples[triangle]);
-      corners.push_back(mesh.triangles[triangle]);
-    }
-    ring.shared = FindSharedSamples(corners, ring.edge_samples);
-  });
-  return result;
+Ring MakeRing(const TriangleMesh& mesh, const VertexRings& rings,
+              const std::vector<int>& edge_samples, int vertex) {
+  Ring ring;
+  std::vector<Eigen::Vector3i> corners;
+  for (int e = rings.offsets[vertex]; e < rings.offsets[vertex + 1]; ++e) {
+    const int triangle = rings.triangles[e];
+    ring.triangles.push_back(triangle);
+    ring.edge_samples.push_back(edge_samples[triangle]);
+    ring.corners.push_back(CornerOf(mesh.triangles[triangle], vertex));
+    ring.samples += PatchSampleCount(edge_samples[triangle]);
+    corners.push_back(mesh.triangles[triangle]);
+  }
+  ring.shared = FindSharedSamples(corners, ring.edge_samples);
+  return ring;
 }
 
 MapTransform MakeTransform(const std::vector<int>& edge_samples, int grid) {

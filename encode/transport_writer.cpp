@@ -9,6 +9,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "encode/transport_form.h"
+#include "encode/transport_geometry.h"
 #include "encode/transport_maps.h"
 #include "encode/transport_stream.h"
 #include "resample/light_field.h"
@@ -16,6 +17,7 @@
 namespace lfm {
 namespace {
 
+using transport::Append;
 using transport::Ring;
 
 int QuantizeCoefficient(float value, float step) {
@@ -71,11 +73,6 @@ double StepForError(const Magnitudes& magnitudes, double error) {
   return std::exp2(low);
 }
 
-template <typename T>
-void Append(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 struct EncodedPart {
   transport::PartHeader header;
   std::string bytes;
@@ -91,69 +88,14 @@ EncodedPart MakePart(transport::Part part, std::string bytes) {
   return encoded;
 }
 
-// The mesh as the reader will have it.
-struct Geometry {
-  TriangleMesh mesh;
-  EncodedPart part;
-};
-
-Geometry EncodeGeometry(const LightFieldModel& model, const std::vector<int>& edge_samples) {
-  Eigen::Vector3d low = model.mesh.vertices.front(), high = low;
-  for (const Eigen::Vector3d& p : model.mesh.vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  transport::GeometryHeader header;
-  header.vertices = static_cast<uint32_t>(model.mesh.vertices.size());
-  header.triangles = static_cast<uint32_t>(model.mesh.triangles.size());
-  header.terms = static_cast<uint32_t>(model.terms);
-  header.grid = static_cast<uint32_t>(model.grid);
-  header.direction_map = static_cast<uint32_t>(model.direction_map);
-  header.mean_in_terms = model.mean_in_terms ? 1 : 0;
-  int largest = 256;
-  const auto include = [&largest](const std::vector<Image>& pages) {
-    for (const Image& page : pages) largest = std::max({largest, page.width(), page.height()});
-  };
-  include(model.mean_pages);
-  for (const auto& pages : model.view_pages) include(pages);
-  header.max_texture = static_cast<uint32_t>(largest);
-  std::copy_n(low.data(), 3, header.origin.begin());
-  header.step = std::max((high - low).maxCoeff(), 1e-30) / (1 << 18);
-
-  Geometry geometry;
-  geometry.mesh.triangles = model.mesh.triangles;
-  RangeEncoder coder;
-  NumberModels index, coordinate, size, turn;
-  Eigen::Vector3i before = Eigen::Vector3i::Zero();
-  for (const Eigen::Vector3i& triangle : model.mesh.triangles) {
-    for (int c = 0; c < 3; ++c) {
-      const int predicted = c == 0 ? before[0] : triangle[c - 1];
-      index.Encode(coder, transport::Zigzag(triangle[c] - predicted));
-    }
-    before = triangle;
-  }
-  Eigen::Vector3i last = Eigen::Vector3i::Zero();
-  for (const Eigen::Vector3d& p : model.mesh.vertices) {
-    const Eigen::Vector3i code = ((p - low) / header.step).array().round().matrix().cast<int>();
-    for (int a = 0; a < 3; ++a) coordinate.Encode(coder, transport::Zigzag(code[a] - last[a]));
-    last = code;
-    geometry.mesh.vertices.push_back(low + header.step * code.cast<double>());
-  }
-  for (const int n : edge_samples) size.Encode(coder, static_cast<uint32_t>(n - 2));
-  const std::vector<Eigen::Matrix3d> predicted = ComputeVertexFrames(geometry.mesh);
-  for (size_t v = 0; v < predicted.size(); ++v) {
-    const Eigen::AngleAxisd rotation(
-        Eigen::Matrix3d(model.vertex_frames[v] * predicted[v].transpose()));
-    const Eigen::Vector3d vector = rotation.angle() * rotation.axis();
-    for (int a = 0; a < 3; ++a) {
-      turn.Encode(coder, transport::Zigzag(std::lround(vector[a] / transport::kFrameStep)));
-    }
-  }
+// Filled up to what its texels need (kTexelsAByte).
+std::string PartBytes(float step, const std::string& coded, int64_t texels) {
   std::string bytes;
-  Append(bytes, header);
-  bytes += coder.Finish();
-  geometry.part = MakePart(transport::Part::kGeometry, std::move(bytes));
-  return geometry;
+  Append(bytes, step);
+  bytes += coded;
+  const auto least = static_cast<size_t>(texels / transport::kTexelsAByte);
+  if (bytes.size() < least) bytes.resize(least, '\0');
+  return bytes;
 }
 
 EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edge_samples,
@@ -173,10 +115,18 @@ EncodedPart EncodeMean(const LightFieldModel& model, const std::vector<int>& edg
     colors[t] = predicted + transport::MeanOffset(block, step);
     models[transport::SizeClass(n)].Encode(coder, block);
   }
-  std::string bytes;
-  Append(bytes, step);
-  bytes += coder.Finish();
-  return MakePart(transport::Part::kMean, std::move(bytes));
+  int64_t texels = 0;
+  for (const int n : edge_samples) texels += 3 * PatchSampleCount(n);
+  return MakePart(transport::Part::kMean, PartBytes(step, coder.Finish(), texels));
+}
+
+std::vector<Ring> MakeRings(const TriangleMesh& mesh, const std::vector<int>& edge_samples) {
+  const VertexRings rings = ComputeVertexRings(mesh);
+  std::vector<Ring> result(mesh.vertices.size());
+  ParallelFor(0, static_cast<int64_t>(result.size()), [&](int64_t v) {
+    result[v] = transport::MakeRing(mesh, rings, edge_samples, static_cast<int>(v));
+  });
+  return result;
 }
 
 class TermWriter {
@@ -249,6 +199,7 @@ class TermWriter {
     RangeEncoder coder;
     transport::TermModels models;
     double energy = 0;
+    int64_t texels = 0;
     int sigma = 0;
     bool before = true;
     for (int v = first; v < end; ++v) {
@@ -274,15 +225,13 @@ class TermWriter {
       models.sigma.Encode(coder, transport::Zigzag(term->sigma - sigma));
       sigma = term->sigma;
       energy += transport::SigmaOf(sigma) * transport::SigmaOf(sigma);
+      texels += rings_[v].samples + 3 * int64_t{model_.grid} * model_.grid;
       for (const CoefficientBlock& block : surface) {
         models.surface[transport::SizeClass(block.side)].Encode(coder, block);
       }
       models.view.Encode(coder, view);
     }
-    std::string bytes;
-    Append(bytes, step);
-    bytes += coder.Finish();
-    EncodedPart part = MakePart(transport::Part::kTerm, std::move(bytes));
+    EncodedPart part = MakePart(transport::Part::kTerm, PartBytes(step, coder.Finish(), texels));
     part.worth = energy / static_cast<double>(part.header.bytes);
     return part;
   }
@@ -307,21 +256,25 @@ bool FitsTransportForm(const LightFieldModel& model) {
          model.grid <= 256 && work.IsBounded() && largest < transport::kMostCoordinate;
 }
 
-EncodedTransport EncodeTransport(const LightFieldModel& model, const TransportOptions& options) {
+EncodedTransport EncodeTransport(const LightFieldModel& given, const TransportOptions& options) {
   if (!(options.psnr_db >= 20 && options.psnr_db <= 90)) {
     throw Error("--transport-db must lie in [20, 90]");
   }
-  ValidateModel(model, "the model");
-  if (!FitsTransportForm(model)) {
+  if (!(options.geometry_error >= 0.001 && options.geometry_error <= 10)) {
+    throw Error("--geometry-error must lie in [0.001, 10]");
+  }
+  ValidateModel(given, "the model");
+  if (!FitsTransportForm(given)) {
     throw Error("the model is too large for the transport form; --transport-db 0 leaves it out");
   }
+  transport::EncodedGeometry geometry = transport::EncodeGeometry(given, options.geometry_error);
+  const LightFieldModel model = ReorderModel(given, geometry.order);
   std::vector<int> edge_samples;
   for (const PatchPlacement& place : model.placements) edge_samples.push_back(place.edge_samples);
   const MapTransform transform = transport::MakeTransform(edge_samples, model.grid);
-  Geometry geometry = EncodeGeometry(model, edge_samples);
   EncodedPart mean = EncodeMean(model, edge_samples, transform, options.psnr_db);
 
-  const TermWriter writer(model, transform, transport::MakeRings(model.mesh, edge_samples));
+  const TermWriter writer(model, transform, MakeRings(model.mesh, edge_samples));
   const auto step =
       static_cast<float>(std::min<double>(writer.StepFor(options.psnr_db), transport::kMostStep));
   const auto vertices = static_cast<int64_t>(model.mesh.vertices.size());
@@ -336,11 +289,13 @@ EncodedTransport EncodeTransport(const LightFieldModel& model, const TransportOp
   }
   std::stable_sort(parts.begin(), parts.end(),
                    [](const EncodedPart& a, const EncodedPart& b) { return a.worth > b.worth; });
-  parts.insert(parts.begin(), {std::move(geometry.part), std::move(mean)});
+  parts.insert(parts.begin(),
+               {MakePart(transport::Part::kGeometry, std::move(geometry.bytes)), std::move(mean)});
 
   EncodedTransport encoded;
   encoded.geometry_bytes = static_cast<int64_t>(parts[0].bytes.size());
   encoded.mean_bytes = static_cast<int64_t>(parts[1].bytes.size());
+  encoded.order = std::move(geometry.order);
   transport::FileHeader header;
   header.parts = static_cast<uint32_t>(parts.size());
   Append(encoded.bytes, header);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resample/vertex_frame.h"
+
 namespace lfm {
 namespace {
 
@@ -71,6 +73,15 @@ Eigen::Vector3d GridDirection(DirectionMap map, int grid, int q) {
   return DirectionFromSquare(map, {(q % grid) * step, (q / grid) * step});
 }
 
+Eigen::Matrix3d VertexFrame(const Eigen::Vector3d& z, const Eigen::Vector3d& edge) {
+  const Eigen::Vector3d x = PerpendicularAxis(z, edge);
+  Eigen::Matrix3d frame;
+  frame.col(0) = x;
+  frame.col(1) = z.cross(x).normalized();
+  frame.col(2) = z;
+  return frame;
+}
+
 std::vector<Eigen::Matrix3d> ComputeVertexFrames(const TriangleMesh& mesh) {
   const size_t count = mesh.vertices.size();
   std::vector<int> first_neighbor(count, -1);
@@ -83,15 +94,11 @@ std::vector<Eigen::Matrix3d> ComputeVertexFrames(const TriangleMesh& mesh) {
   const std::vector<Eigen::Vector3d> computed = ComputeVertexNormals(mesh);
   std::vector<Eigen::Matrix3d> frames(count);
   for (size_t v = 0; v < count; ++v) {
-    const Eigen::Vector3d z = NormalOf(mesh, computed, v);
     Eigen::Vector3d edge = Eigen::Vector3d::Zero();
     if (first_neighbor[v] >= 0) {
       edge = mesh.vertices[static_cast<size_t>(first_neighbor[v])] - mesh.vertices[v];
     }
-    const Eigen::Vector3d x = PerpendicularAxis(z, edge);
-    frames[v].col(0) = x;
-    frames[v].col(1) = z.cross(x).normalized();
-    frames[v].col(2) = z;
+    frames[v] = VertexFrame(NormalOf(mesh, computed, v), edge);
   }
   return frames;
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
+#include <vector>
 
 namespace lfm {
 namespace {
@@ -72,6 +74,32 @@ TEST(Quantization, ViewRangesReachTheirEnds) {
   EXPECT_EQ(QuantizeValue(range, -9), 0);
   EXPECT_EQ(QuantizeValue(range, 9), 255);
   EXPECT_EQ(QuantizeValue(range, std::numeric_limits<float>::quiet_NaN()), 0);
+}
+
+// Any count, and the same code wherever a value stands.
+TEST(Quantization, ManyValuesGetTheCodesOfEach) {
+  const MapRange range = ViewRange(-0.25f, 1.5f);
+  for (const int count : {0, 1, 7, 8, 9, 31, 1000}) {
+    std::vector<float> values;
+    for (int i = 0; i < count; ++i) values.push_back(-0.3f + 0.0019f * static_cast<float>(i));
+    if (count > 3) values[3] = std::numeric_limits<float>::quiet_NaN();
+    if (count > 5) values[5] = std::numeric_limits<float>::infinity();
+    std::vector<uint8_t> codes(values.size() + 1, 77);
+    QuantizeValues(range, 2, values, codes.data());
+    EXPECT_EQ(codes.back(), 77);
+    for (int i = 0; i < count; ++i) {
+      EXPECT_EQ(codes[i], QuantizeValue(range, 2 * values[i])) << values[i];
+      uint8_t alone = 0;
+      QuantizeValues(range, 2, std::span(values).subspan(i, 1), &alone);
+      EXPECT_EQ(alone, codes[i]);
+    }
+    QuantizeValues({0, 3}, 1, values, codes.data());
+    for (int i = 0; i < count; ++i) EXPECT_EQ(codes[i], 0);
+  }
+  const MapRange surface = SurfaceRange(-0.7f, 0.31f);
+  uint8_t zero = 0;
+  QuantizeValues(surface, 3, std::vector<float>{0}, &zero);
+  EXPECT_EQ(zero, ZeroCode(surface));
 }
 
 TEST(Quantization, ViewRangeOfEqualValuesKeepsThem) {
