@@ -93,7 +93,8 @@ TEST_F(NonnegativeTerms, ComeBackFromBothForms) {
   WriteGlb(nmf.model, file);
   const LightFieldModel glb = ReadGlb(file);
   std::remove(file.c_str());
-  const LightFieldModel lfz = DecodeTransport(nmf.transport.bytes, "model.lfz").model;
+  const LightFieldModel lfz = ReorderModel(DecodeTransport(nmf.transport.bytes, "model.lfz").model,
+                                           Inverse(nmf.transport.order));
   ASSERT_TRUE(glb.mean_in_terms && lfz.mean_in_terms);
   // Cut off, it shows the mean view rather than part of the light.
   const LightFieldModel cut =
