@@ -8,6 +8,7 @@
 #include "encode/encode.h"
 #include "encode/model_error.h"
 #include "encode/model_evaluation.h"
+#include "encode/model_order.h"
 #include "encode/pseudo_random.h"
 #include "encode/transport_form.h"
 #include "tests/encode/edge_jump.h"
@@ -42,7 +43,8 @@ EncodeResult EncodeSoundly(const SyntheticLightField& field, const EncodeOptions
   EXPECT_LE(LargestJumpAcrossEdges(result.model), kJump_levels);
   EXPECT_NEAR(CompareWithLightField(field.Source(), result.model).psnr_db(), result.matrix_psnr_db,
               0.01);
-  const LightFieldModel back = DecodeTransport(result.transport.bytes, "model.lfz").model;
+  const LightFieldModel back = ReorderModel(
+      DecodeTransport(result.transport.bytes, "model.lfz").model, Inverse(result.transport.order));
   EXPECT_GT(CompareWithLightField(field.Source(), back).psnr_db(),
             std::min(result.matrix_psnr_db, 50.0) - kTransportLoss_db);
   return result;
