@@ -24,7 +24,8 @@ constexpr int kTerms = 3, kMostTerms = 6;
 
 // Section 5 and Figure 5 of the paper: directions on a disc, partly visible triangles discarded.
 ResampleOptions PaperResampling() {
-  return {.direction_map = DirectionMap::kOrthographic,
+  return {.view_grid = 32,
+          .direction_map = DirectionMap::kOrthographic,
           .min_data_share = 1,
           .hull_margin = 0,
           .photo_gains = PhotoGainUse::kOff};

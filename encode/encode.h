@@ -29,7 +29,7 @@ struct EncodeOptions {
   Factorization factorization = Factorization::kPca;
   DirectionFill fill = DirectionFill::kMirror;
   int terms = kAsNeeded;  ///< everywhere; kAsNeeded: by term_gain or one of the targets
-  double term_gain = 0.8;
+  double term_gain = 0.5;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
   PcaSolver solver = PcaSolver::kFactored;

@@ -356,7 +356,7 @@ PipelineOptions PresetOptions(Effort effort) {
     case Effort::kFast:
       options.mesh.poisson_depth = 7;
       options.mesh.tolerance_px = 1.0;
-      options.resample.view_grid = 16;
+      options.resample.view_grid = 12;
       options.encode.term_gain = 1.5;
       options.encode.max_terms = 5;
       break;

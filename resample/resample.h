@@ -29,7 +29,7 @@ enum class PhotoGainUse {
 };
 
 struct ResampleOptions {
-  int view_grid = 32;
+  int view_grid = 16;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   double max_grazing_deg = 80;
   double depth_margin_px = 1.5;
