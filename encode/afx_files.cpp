@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "core/atomic_file.h"
@@ -11,12 +12,27 @@ namespace {
 constexpr const char* kFile = "model.wrl";
 constexpr const char* kFolder = "model_afx";
 
-// Removes what is in the folder of pictures but for those named; what cannot go does no harm.
+// Whether a name is one that WriteAfxForm gives: mean-, surface- or view-, and twelve digits of a
+// hash at the end.
+bool IsOurPicture(const std::string& name) {
+  constexpr size_t kHash = 12;
+  constexpr std::string_view kEnding = ".png";
+  if (name.size() < kHash + 1 + kEnding.size() || !name.ends_with(kEnding)) return false;
+  const size_t hash = name.size() - kEnding.size() - kHash;
+  const bool hashed =
+      name[hash - 1] == '-' && name.find_first_not_of("0123456789abcdef", hash) == hash + kHash;
+  return hashed &&
+         (name.starts_with("mean-") || name.starts_with("surface-") || name.starts_with("view-"));
+}
+
+// Removes our pictures but for those named, nothing of anybody else's; what cannot go does no harm.
 void RemoveOthers(const std::filesystem::path& folder, const std::set<std::string>& names) {
   std::error_code ignored;
   std::vector<std::filesystem::path> others;
+  if (std::filesystem::is_symlink(folder / kFolder, ignored)) return;
   for (const auto& entry : std::filesystem::directory_iterator(folder / kFolder, ignored)) {
-    if (!names.contains(std::string(kFolder) + "/" + entry.path().filename().string())) {
+    const std::string name = entry.path().filename().string();
+    if (IsOurPicture(name) && !names.contains(std::string(kFolder) + "/" + name)) {
       others.push_back(entry.path());
     }
   }
@@ -43,7 +59,8 @@ void RemoveAfx(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove(folder / kFile, ignored);
   RemoveOthers(folder, {});
-  std::filesystem::remove(folder / kFolder, ignored);
+  if (std::filesystem::is_symlink(folder / kFolder, ignored)) return;
+  std::filesystem::remove(folder / kFolder, ignored);  // when it is empty
 }
 
 }  // namespace lfm

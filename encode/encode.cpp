@@ -240,6 +240,7 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
                     Progress& progress) {
   CheckOptions(options);
   CheckSource(blended);
+  CheckMapCompression(options.compression, blended.grid);
   const LightFieldSource source = FillDirections(blended, options, progress);
   const std::vector<int> edge_samples = EdgeSamples(source);
   const MeanView mean_view =

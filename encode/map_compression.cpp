@@ -130,23 +130,23 @@ void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
   });
 }
 
-void CheckOptions(const LightFieldModel& model, const MapCompressionOptions& options) {
+}  // namespace
+
+void CheckMapCompression(const MapCompressionOptions& options, int grid) {
   if (options.vq_ratio > 1 && options.vq_db > 0) {
     throw Error("give one of --vq-ratio and --vq-db");
   }
-  if (options.blocks != PageBlocks::kNone && model.grid % 4 != 0) {
-    throw Error("--blocks needs view maps of whole blocks, and a grid of " +
-                std::to_string(model.grid) + " is no multiple of 4; run lfm-resample with --grid " +
-                std::to_string((model.grid + 3) / 4 * 4));
+  if (options.blocks != PageBlocks::kNone && grid % 4 != 0) {
+    throw Error("--blocks needs view maps of whole blocks, and a grid of " + std::to_string(grid) +
+                " is no multiple of 4; run lfm-resample with --view-grid " +
+                std::to_string((grid + 3) / 4 * 4));
   }
 }
-
-}  // namespace
 
 LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldModel& model,
                              const MapCompressionOptions& options,
                              const MapCompressionLimits& limits, Progress& progress) {
-  CheckOptions(model, options);
+  CheckMapCompression(options, model.grid);
   const bool in_blocks = options.blocks != PageBlocks::kNone;
   const CodebookLayout layout{options.vq_start,
                               in_blocks ? PatchSpacing::kBlocks : PatchSpacing::kCompletions,

@@ -30,7 +30,7 @@ struct MapCompressionOptions {
     v.Number({"vq-ratio",
               "Vector quantisation: triangles share surface maps and mean views, vertices share "
               "view maps, so that codebooks and indices take this many times fewer bytes than all "
-              "maps; 1 = off.",
+              "maps in model.glb (model.lfz keeps whole maps); 1 = off.",
               "", 1, 1000},
              vq_ratio);
     v.Number({"vq-db",
@@ -52,6 +52,10 @@ struct MapCompressionOptions {
   bool WantsCodebooks() const { return vq_ratio > 1 || vq_db > 0; }
   bool WantsAnything() const { return WantsCodebooks() || blocks != PageBlocks::kNone; }
 };
+
+/// Throws Error when both drives of the vector quantisation are given, or blocks are and the view
+/// grid is no multiple of 4.
+void CheckMapCompression(const MapCompressionOptions& options, int grid);
 
 /// What the fit of view maps and the layout need to know besides.
 struct MapCompressionLimits {

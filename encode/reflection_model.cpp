@@ -27,8 +27,10 @@ struct LightTap {
   std::array<double, 4> weight;
 };
 
+// An eye on the surface, or too far away to have a direction, looks from above.
 LightTap TapAt(const Eigen::Vector3d& direction, int side) {
   Eigen::Vector3d d = direction / direction.cwiseAbs().sum();
+  if (!d.allFinite()) d = Eigen::Vector3d::UnitZ();
   if (d.z() < 0) {
     const double x = std::copysign(1 - std::abs(d.y()), d.x());
     const double y = std::copysign(1 - std::abs(d.x()), d.y());

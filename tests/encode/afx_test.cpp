@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "core/atomic_file.h"
@@ -273,7 +274,10 @@ TEST_F(Afx, SavesAndRemovesFileAndPictures) {
   }
   EXPECT_EQ(bytes, on_disk);
   EXPECT_EQ(ReadAfx(folder_ / "model.wrl").terms, 1);
+  std::ofstream(folder_ / "model_afx" / "holiday.png") << "somebody's";
   RemoveAfx(folder_);
+  EXPECT_TRUE(fs::remove(folder_ / "model_afx" / "holiday.png")) << "not ours";
+  fs::remove(folder_ / "model_afx");
   EXPECT_TRUE(fs::is_empty(folder_));
   RemoveAfx(folder_ / "nowhere");
 }

@@ -95,6 +95,17 @@ TEST(ReflectionModel, KnowsTheLightBetweenThePhotographs) {
   EXPECT_LT(BlendError(scene, filled, Mirroring), 0.6 * blended);
 }
 
+TEST(ReflectionModel, EyesWithoutADirectionAreNoTrouble) {
+  const Scene scene(Mirroring);
+  LightFieldSource source = scene.source;
+  source.eyes[0] = Eigen::Vector3d::Constant(1e300);
+  source.eyes[1] = source.mesh.vertices[0];
+  source.eyes[2] = Eigen::Vector3d::Constant(-1e160);
+  const ReflectionModel model = FitReflections(source);
+  for (const float gain : model.gain) EXPECT_TRUE(std::isfinite(gain));
+  EXPECT_TRUE(model.LightAt(Eigen::Vector3d::Zero()).allFinite());
+}
+
 TEST(ReflectionModel, FindsTheBrightestDirectionAndWhoShowsMore) {
   const Scene scene(Mirroring);
   const ReflectionModel model = FitReflections(scene.source);
