@@ -229,7 +229,7 @@ LightFieldSource FillDirections(const LightFieldSource& source, const EncodeOpti
     return source;
   }
   progress.Start("reflections", 1);
-  LightFieldSource filled = WithReflections(source, FitReflections(source));
+  LightFieldSource filled = WithReflections(source, FitReflections(source, options.mirror_lights));
   progress.Advance();
   return filled;
 }

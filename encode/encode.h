@@ -28,6 +28,7 @@ struct EncodeOptions {
   static constexpr int kAsNeeded = -1;
   Factorization factorization = Factorization::kPca;
   DirectionFill fill = DirectionFill::kMirror;
+  int mirror_lights = 3;
   int terms = kAsNeeded;  ///< everywhere; kAsNeeded: by term_gain or one of the targets
   double term_gain = 0.5;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
@@ -50,6 +51,11 @@ struct EncodeOptions {
                    "nearest (blend), or also by what the whole object shows in the same mirror "
                    "direction (mirror; needs WORK/calib and signed terms)."},
                   {"blend", "mirror"}, fill);
+    v.Integer({"mirror-lights",
+               "Of --fill mirror: how many pictures of the surroundings are mixed, for surfaces of "
+               "different roughness and tint.",
+               "", 1, 4},
+              mirror_lights);
     v.Integer({"terms",
                "Terms K of every vertex: sharper highlights against bytes. -1: each vertex gets as "
                "many as it needs, by --term-gain or one of the targets (nonnegative ones: 3).",

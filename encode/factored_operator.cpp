@@ -46,6 +46,21 @@ void FillCentred(const TrianglePatch& patch, const PatchMean& mean, RingBlock& b
   }
 }
 
+void SetChange(std::vector<float> change, RingBlock& block) {
+  block.change = std::move(change);
+  const int n = block.edge_samples;
+  block.shares.resize(size_t{3} * block.samples);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) {
+      const int sample = PatchSampleIndex(n, i, j);
+      const Eigen::Vector3d weights = PatchSampleWeights(n, i, j);
+      for (int at = 0; at < 3; ++at) {
+        block.shares[3 * sample + at] = block.hat[sample] * static_cast<float>(weights[at]);
+      }
+    }
+  }
+}
+
 RingBlock BuildBlock(const LightFieldSource& source, int triangle, int corner,
                      const PatchMean& mean, LightField::WeightBuffer& buffer) {
   const TrianglePatch patch = source.patch(triangle);
@@ -71,7 +86,7 @@ RingBlock BuildBlock(const LightFieldSource& source, int triangle, int corner,
   block.view.assign(weights.view.begin(), weights.view.end());
   block.weight.assign(weights.weight.begin(), weights.weight.end());
   block.seen.assign(weights.seen.begin(), weights.seen.end());
-  if (source.change) block.change = source.change(triangle, corner, weights);
+  if (source.change) SetChange(source.change(triangle, corner, weights), block);
   SortWeightsByView(block);
   FillCentred(patch, mean, block);
   return block;
@@ -104,51 +119,61 @@ std::vector<double> ViewGram(const RingBlock& block) {
   return gram;
 }
 
-// y += hat (change^T x).
-void AddChange(const RingBlock& block, const float* x, int width, float* y) {
-  std::vector<float> sum(width, 0.f);
-  for (size_t col = 0; col < block.change.size(); ++col) {
-    for (int i = 0; i < width; ++i) sum[i] += block.change[col] * x[col * width + i];
-  }
-  for (int s = 0; s < block.samples && !block.change.empty(); ++s) {
-    for (int i = 0; i < width; ++i) y[s * width + i] += block.hat[s] * sum[i];
-  }
+// y += shares (change x).
+void AddChange(const RingBlock& block, int cols, const float* x, int width, float* y) {
+  if (block.change.empty()) return;
+  std::vector<float> shown(size_t{3} * width), sum(static_cast<size_t>(block.samples) * width);
+  kernels::Multiply(block.change.data(), 3, cols, x, width, shown.data());
+  kernels::Multiply(block.shares.data(), block.samples, 3, shown.data(), width, sum.data());
+  for (size_t i = 0; i < sum.size(); ++i) y[i] += sum[i];
 }
 
-// x += change (hat^T y).
-void AddChangeTransposed(const RingBlock& block, const float* y, int width, float* x) {
-  std::vector<float> sum(width, 0.f);
-  for (int s = 0; s < block.samples && !block.change.empty(); ++s) {
-    for (int i = 0; i < width; ++i) sum[i] += block.hat[s] * y[s * width + i];
-  }
-  for (size_t col = 0; col < block.change.size(); ++col) {
-    for (int i = 0; i < width; ++i) x[col * width + i] += block.change[col] * sum[i];
-  }
+// x += change^T (shares^T y).
+void AddChangeTransposed(const RingBlock& block, int cols, const float* y, int width, float* x) {
+  if (block.change.empty()) return;
+  std::vector<float> shown(size_t{3} * width), sum(static_cast<size_t>(cols) * width);
+  kernels::MultiplyTransposed(block.shares.data(), block.samples, 3, y, width, shown.data());
+  kernels::MultiplyTransposed(block.change.data(), 3, cols, shown.data(), width, sum.data());
+  for (size_t i = 0; i < sum.size(); ++i) x[i] += sum[i];
 }
 
-// hat^T centred: 3 x views, channels outer.
-std::vector<double> HatTimesCentred(const RingBlock& block) {
+// shares^T centred, 3 rows of 3 x views (channels outer), and shares^T shares.
+struct ShareProducts {
+  std::vector<double> centred;
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+};
+
+ShareProducts MultiplyShares(const RingBlock& block) {
   const int columns = kChannels * block.views;
-  std::vector<double> sums(columns, 0.0);
+  ShareProducts products;
+  products.centred.assign(size_t{3} * columns, 0.0);
   for (int s = 0; s < block.samples; ++s) {
     const float* row = block.centred.data() + static_cast<size_t>(s) * columns;
-    for (int i = 0; i < columns; ++i) sums[i] += static_cast<double>(block.hat[s]) * row[i];
+    const Eigen::Vector3d share = Eigen::Vector3f(block.shares.data() + 3 * s).cast<double>();
+    products.squares += share * share.transpose();
+    for (int at = 0; at < 3; ++at) {
+      double* sums = products.centred.data() + static_cast<size_t>(at) * columns;
+      for (int i = 0; i < columns; ++i) sums[i] += share[at] * row[i];
+    }
   }
-  return sums;
+  return products;
 }
 
 // What the change brings to the squared norm of column q, all channels.
-double ChangeEnergy(const RingBlock& block, const std::vector<double>& hat_times_centred,
-                    double hat_energy, size_t q) {
+double ChangeEnergy(const RingBlock& block, const ShareProducts& products, size_t q) {
   const size_t directions = block.seen.size();
   double sum = 0;
   for (int c = 0; c < kChannels; ++c) {
-    const double change = block.change[c * directions + q];
-    double blended = 0;
-    for (size_t e = 3 * q; e < 3 * q + 3; ++e) {
-      blended += block.weight[e] * hat_times_centred[c * block.views + block.view[e]];
+    Eigen::Vector3d change, blended = Eigen::Vector3d::Zero();
+    for (int at = 0; at < 3; ++at) {
+      change[at] = block.change[(3 * at + c) * directions + q];
+      const double* centred =
+          products.centred.data() + static_cast<size_t>(kChannels * at + c) * block.views;
+      for (size_t e = 3 * q; e < 3 * q + 3; ++e) {
+        blended[at] += block.weight[e] * centred[block.view[e]];
+      }
     }
-    sum += change * (2 * blended + hat_energy * change);
+    sum += change.dot(2 * blended + products.squares * change);
   }
   return sum;
 }
@@ -189,7 +214,7 @@ void Multiply(const VertexOperator& f, const float* x, int width, float* y) {
                                by_view.data());
     kernels::Multiply(block.centred.data(), block.samples, kChannels * block.views, by_view.data(),
                       width, y_block);
-    AddChange(block, x, width, y_block);
+    AddChange(block, f.cols(), x, width, y_block);
   }
 }
 
@@ -204,7 +229,8 @@ void MultiplyTransposed(const VertexOperator& f, const float* y, int width, floa
                                 by_view.data());
     kernels::AddViewsToDirections(block.view.data(), block.weight.data(), block.views, f.directions,
                                   kChannels, by_view.data(), width, x);
-    AddChangeTransposed(block, y + static_cast<size_t>(block.first_row) * width, width, x);
+    AddChangeTransposed(block, f.cols(), y + static_cast<size_t>(block.first_row) * width, width,
+                        x);
   }
 }
 
@@ -235,9 +261,8 @@ Energies ComputeEnergies(const VertexOperator& f, const std::vector<float>& colu
   Energies energies;
   for (const RingBlock& block : f.blocks) {
     const std::vector<double> gram = ViewGram(block);
-    const std::vector<double> hat_times_centred = HatTimesCentred(block);
-    double hat_energy = 0;
-    for (const float hat : block.hat) hat_energy += static_cast<double>(hat) * hat;
+    const bool changes = !block.change.empty();
+    const ShareProducts products = changes ? MultiplyShares(block) : ShareProducts{};
     for (size_t e = 0; e < block.view.size(); e += 3) {
       double sum = 0;
       for (int a = 0; a < 3; ++a) {
@@ -246,7 +271,7 @@ Energies ComputeEnergies(const VertexOperator& f, const std::vector<float>& colu
                  gram[static_cast<size_t>(block.view[e + a]) * block.views + block.view[e + b]];
         }
       }
-      if (!block.change.empty()) sum += ChangeEnergy(block, hat_times_centred, hat_energy, e / 3);
+      if (changes) sum += ChangeEnergy(block, products, e / 3);
       const double scale = column_scale[e / 3];
       energies.plain += sum;
       energies.scaled += scale * scale * sum;

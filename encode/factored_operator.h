@@ -13,7 +13,8 @@ namespace lfm {
 /// One triangle of a vertex ring: the factors of its rows of F^v.
 ///
 /// Rows are the triangle's samples, columns are (channel, direction):
-///   F_t = diag(hat) ((P_t - m_t 1^T) W_t + 1 change_t^T)
+///   F_t = diag(hat) ((P_t - m_t 1^T) W_t + B change_t)
+/// (B, samples x 3: the barycentric weights of all corners).
 /// `centred` holds diag(hat) (P_t - m_t 1^T) as samples x (3 views), channels outer; centring
 /// before the product is exact since each column of W_t sums to one.
 struct RingBlock {
@@ -27,7 +28,8 @@ struct RingBlock {
   std::vector<uint16_t> view;  ///< 3 a direction, as ViewWeights
   std::vector<float> weight;   ///< 3 a direction
   std::vector<uint8_t> seen;   ///< a direction
-  std::vector<float> change;   ///< 3 N (LightFieldSource::change); empty: nothing
+  std::vector<float> change;   ///< 3 x 3 N (LightFieldSource::change); empty: nothing
+  std::vector<float> shares;   ///< samples x 3: hat times B, where there is a change
   std::vector<int> offsets;    ///< W sorted by view: views + 1 offsets into the next two
   std::vector<uint16_t> direction_by_view;
   std::vector<float> weight_by_view;

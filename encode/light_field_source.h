@@ -28,8 +28,9 @@ struct LightFieldSource {
   int64_t dense_bytes = 0;  ///< 3 x samples x grid^2, over all triangles
   /// Where the photographs of the patches were taken, mm, world frame; empty when not known.
   std::vector<Eigen::Vector3d> eyes = {};
-  /// What is added to every sample of a triangle's blended views in the directions of a corner's
-  /// grid: 3 grid^2 values, channels outer, sRGB-coded (reflection_model.h). Not set: nothing.
+  /// What is added to a triangle's blended views in the directions of a corner's grid: 9 grid^2
+  /// values, sRGB-coded (reflection_model.h). `change[(3 at + channel) * grid^2 + direction]` is
+  /// added at corner `at`, and between the corners linearly. Not set: nothing.
   std::function<std::vector<float>(int triangle, int corner, const ViewWeights& weights)> change =
       {};
 };

@@ -33,21 +33,24 @@ std::vector<double> ViewShares(const LightFieldSource& source, int triangle, siz
   return shares;
 }
 
-// The mean over the view grids of what is added to blended views, RGB; weighted as above.
-Eigen::Vector3d MeanChange(const LightFieldSource& source, int triangle, double guessed_weight,
+// The mean over the view grids of what is added to blended views at each corner (columns), RGB;
+// weighted as above.
+Eigen::Matrix3d MeanChange(const LightFieldSource& source, int triangle, double guessed_weight,
                            LightField::WeightBuffer& buffer) {
-  Eigen::Vector4d seen = Eigen::Vector4d::Zero(), guessed = Eigen::Vector4d::Zero();
+  Eigen::Matrix3d seen = Eigen::Matrix3d::Zero(), guessed = Eigen::Matrix3d::Zero();
+  double seen_count = 0, guessed_count = 0;
   for (int corner = 0; corner < 3; ++corner) {
     const ViewWeights weights = source.weights(triangle, corner, buffer);
     const std::vector<float> change = source.change(triangle, corner, weights);
     const size_t directions = weights.seen.size();
     for (size_t q = 0; q < directions; ++q) {
-      (weights.seen[q] ? seen : guessed) +=
-          Eigen::Vector4d(change[q], change[directions + q], change[2 * directions + q], 1);
+      Eigen::Matrix3d& sum = weights.seen[q] ? seen : guessed;
+      (weights.seen[q] ? seen_count : guessed_count) += 1;
+      for (int e = 0; e < 9; ++e) sum(e % 3, e / 3) += change[e * directions + q];
     }
   }
-  const Eigen::Vector4d sum = seen + (seen[3] > 0 ? guessed_weight : 1) * guessed;
-  return sum.head<3>() / sum[3];
+  const double factor = seen_count > 0 ? guessed_weight : 1;
+  return (seen + factor * guessed) / (seen_count + factor * guessed_count);
 }
 
 std::vector<float> PatchMeanValues(const LightFieldSource& source, int triangle,
@@ -64,8 +67,16 @@ std::vector<float> PatchMeanValues(const LightFieldSource& source, int triangle,
     mean[row] = static_cast<float>(sum / LightField::kOne);
   }
   if (!source.change) return mean;
-  const Eigen::Vector3d change = MeanChange(source, triangle, guessed_weight, buffer);
-  for (size_t row = 0; row < mean.size(); ++row) mean[row] += static_cast<float>(change[row % 3]);
+  const Eigen::Matrix3d change = MeanChange(source, triangle, guessed_weight, buffer);
+  const int n = patch.edge_samples;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) {
+      const Eigen::Vector3d added = change * PatchSampleWeights(n, i, j);
+      for (int c = 0; c < 3; ++c) {
+        mean[3 * PatchSampleIndex(n, i, j) + c] += static_cast<float>(added[c]);
+      }
+    }
+  }
   return mean;
 }
 

@@ -34,9 +34,14 @@ void ForEachWeight(const RingBlock& block, int directions, const Visit& visit) {
   }
 }
 
-Eigen::VectorXd Column(const std::vector<float>& values) {
-  return Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Eigen::Index>(values.size()))
+Eigen::MatrixXd Change(const RingBlock& block) {
+  return Eigen::Map<const RowMajorFloat>(block.change.data(), 3,
+                                         static_cast<Eigen::Index>(block.change.size() / 3))
       .cast<double>();
+}
+
+Eigen::MatrixXd Shares(const RingBlock& block) {
+  return Eigen::Map<const RowMajorFloat>(block.shares.data(), block.samples, 3).cast<double>();
 }
 
 Eigen::VectorXd ScaleOfColumns(const VertexOperator& f, const std::vector<float>& column_scale) {
@@ -74,8 +79,7 @@ PreciseMap PreciseScaledMap(const VertexOperator& f, const std::vector<float>& c
       });
       y.middleRows(block.first_row, block.samples) = Centred(block) * by_view;
       if (block.change.empty()) continue;
-      y.middleRows(block.first_row, block.samples) +=
-          Column(block.hat) * (Column(block.change).transpose() * scaled);
+      y.middleRows(block.first_row, block.samples) += Shares(block) * (Change(block) * scaled);
     }
     return y;
   };
@@ -89,8 +93,8 @@ PreciseMap PreciseScaledMap(const VertexOperator& f, const std::vector<float>& c
         x.row(direction) += weight * by_view.row(view);
       });
       if (block.change.empty()) continue;
-      x += Column(block.change) *
-           (Column(block.hat).transpose() * y.middleRows(block.first_row, block.samples));
+      x += Change(block).transpose() *
+           (Shares(block).transpose() * y.middleRows(block.first_row, block.samples));
     }
     return Eigen::MatrixXd(ScaleOfColumns(f, column_scale).asDiagonal() * x);
   };

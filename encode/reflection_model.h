@@ -8,34 +8,51 @@
 
 namespace lfm {
 
-/// What the surroundings look like in the object, and how much each triangle shows of it:
+/// What the surroundings look like in the object, as surfaces of one or several kinds show them,
+/// and how much each triangle shows of each:
 ///
-///   colour of triangle t towards d, mean of its samples ~ mean_t + gain[t] light(r),
-///   r = 2 (n . d) n - d  (d to the eye, n the triangle's smoothed normal; Wood 2000; Mahajan 2007,
-///   Equation 14)
+///   colour of triangle t towards d ~ mean_t + sum over lights k of gain[t][k] light_k(r),
+///   r = 2 (n . d) n - d  (d to the eye, n the smoothed normal; Wood 2000; Mahajan 2007, Equation
+///   14)
 ///
 /// sRGB-coded. Each photograph sees a highlight from one side alone; all triangles together see it
 /// from everywhere, so the light between and outside the directions of one triangle's photographs
-/// is known from the others'.
+/// is known from the others'. One light serves surfaces that are equally rough; mixtures of several
+/// make blurs and tints between them.
 struct ReflectionModel {
-  int side = 64;
-  std::vector<Eigen::Vector3f> light;  ///< side x side, octahedral map of the sphere; 0 unseen
-  std::vector<float> gain;             ///< T, in [0, 3]; 0 where the light explains nothing
+  using Light = std::vector<Eigen::Vector3f>;  ///< side x side, octahedral map of the sphere
+  static constexpr int kMostLights = 4;
 
-  /// Bilinear, for a unit direction in the world.
-  Eigen::Vector3f LightAt(const Eigen::Vector3d& direction) const;
+  int side = 32;
+  std::vector<Light> lights;  ///< 0 where nobody looks
+  /// `gain[t * lights.size() + k]`; 0 where the lights explain nothing. One light: in [0, 3];
+  /// several: in [-3, 3].
+  std::vector<float> gain;
+
+  /// What triangle t shows towards each mirror direction, without its mean.
+  Light ShownBy(int triangle) const;
 };
 
-/// Fits light and gains in turn, by least squares with small ridges, to the mean colours of all
-/// triangles in all their photographs; six photographs at least for a triangle to take part.
-/// `source.eyes` must be there (Error if not one a photograph). Deterministic; never NaN for finite
-/// values. Diffuse objects get light and gains near zero.
-ReflectionModel FitReflections(const LightFieldSource& source);
+/// Bilinear, for a direction in the world (of any length; without one: from above).
+Eigen::Vector3f LookUp(const ReflectionModel::Light& light, int side,
+                       const Eigen::Vector3d& direction);
+
+/// Fits lights and gains in turn, by least squares with small ridges, to the hat-weighted mean
+/// colours at the three corners of triangles in all their photographs; six photographs at least for
+/// a triangle to take part. The lights come from 20 000 triangles at most, spread over the mesh, so
+/// that time and memory stay bounded; gains are fitted for all.
+///
+/// `lights` in [1, kMostLights] (Error). `source.eyes` must be there (Error if not one a
+/// photograph). Deterministic; never NaN for finite values. Diffuse objects get light and gains
+/// near zero.
+ReflectionModel FitReflections(const LightFieldSource& source, int lights = 3);
 
 /// The source with `change` set: blends of photographs in a direction d change by what the model
-/// says of d and of the directions of the photographs that are blended,
+/// says of d and of the directions of the photographs that are blended, with the normal n_c of each
+/// corner c, and between the corners linearly:
 ///
-///   gain[t] (light(r(d)) - sum over blended photographs i of weight_i light(r_i)).
+///   sum over corners c of hat_c (shown(r_c(d)) - sum over blended photographs i of weight_i
+///   shown(r_c(d_i)))
 ///
 /// In a photograph's own direction nothing changes. The new source holds the model.
 LightFieldSource WithReflections(const LightFieldSource& source, ReflectionModel model);

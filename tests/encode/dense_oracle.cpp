@@ -28,8 +28,10 @@ Eigen::MatrixXd DenseMatrix(const SyntheticLightField& field, const VertexOperat
               hat * (ResampledValue(field, block.triangle, block.corner, sample, channel,
                                     col % f.directions) -
                      mean[3 * sample + channel]);
-          if (!block.change.empty())
-            dense(block.first_row + sample, col) += hat * block.change[col];
+          for (int at = 0; at < 3 && !block.change.empty(); ++at) {
+            dense(block.first_row + sample, col) +=
+                hat * PatchSampleWeights(n, i, j)[at] * block.change[at * f.cols() + col];
+          }
         }
       }
     }

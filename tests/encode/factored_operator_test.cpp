@@ -37,7 +37,7 @@ class FactoredOperator : public ::testing::Test {
     LightFieldSource source = field_.Source();
     if (vertex % 2 == 1) {
       source.change = [this](int triangle, int corner, const ViewWeights&) {
-        std::vector<float> change(3 * field_.grid * field_.grid);
+        std::vector<float> change(9 * field_.grid * field_.grid);
         for (size_t i = 0; i < change.size(); ++i) {
           change[i] =
               0.3f * std::sin(static_cast<float>(i) + 5.f * static_cast<float>(triangle + corner));

@@ -95,7 +95,7 @@ TEST(PrecisePca, AVertexHasTheSameTripletsAsInSinglePrecision) {
                                   rings.triangles.data() + rings.offsets[6]);
   LightFieldSource source = field.Source();
   source.change = [&](int triangle, int, const ViewWeights&) {
-    std::vector<float> change(3 * field.grid * field.grid);
+    std::vector<float> change(9 * field.grid * field.grid);
     for (size_t i = 0; i < change.size(); ++i) {
       change[i] = 0.1F * std::sin(0.3F * static_cast<float>(i) + static_cast<float>(triangle));
     }

@@ -58,14 +58,15 @@ double BlendError(const Scene& scene, const LightFieldSource& source,
     for (int corner = 0; corner < 3; ++corner) {
       const ViewWeights weights = source.weights(t, corner, buffer);
       const std::vector<float> change =
-          source.change ? source.change(t, corner, weights) : std::vector<float>(300, 0.f);
+          source.change ? source.change(t, corner, weights) : std::vector<float>(900, 0.f);
       const int vertex = source.mesh.triangles[t][corner];
       for (int q = 0; q < 100; ++q) {
         const Eigen::Vector3d to_eye =
             source.vertex_frames[vertex] * GridDirection(source.direction_map, 10, q);
         if (to_eye.dot(TriangleNormal(source.mesh, t)) < 0.3) continue;
         for (int c = 0; c < 3; ++c) {
-          double blended = change[c * 100 + q], truth = 0;
+          double blended = 0, truth = 0;
+          for (int at = 0; at < 3; ++at) blended += change[(3 * at + c) * 100 + q] / 3;
           for (int j = 0; j < 4; ++j) {
             for (int i = 0; i + j < 4; ++i) {
               const Eigen::Vector3d w = PatchSampleWeights(4, i, j);
@@ -95,6 +96,52 @@ TEST(ReflectionModel, KnowsTheLightBetweenThePhotographs) {
   EXPECT_LT(BlendError(scene, filled, Mirroring), 0.6 * blended);
 }
 
+// Rough and yellow on one side, polished and blue on the other.
+Eigen::Vector3d OfTwoKinds(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye) {
+  const Eigen::Vector3d normal = p.normalized();
+  const double cosine =
+      (2 * normal.dot(to_eye) * normal - to_eye).dot(Eigen::Vector3d(0.6, 0, 0.8));
+  return normal.y() > 0
+             ? Eigen::Vector3d(0.2 * Eigen::Vector3d::Ones() +
+                               std::exp(12 * (cosine - 1)) * Eigen::Vector3d(0.2, 0.4, 0.7))
+             : Eigen::Vector3d(0.2 * Eigen::Vector3d::Ones() +
+                               std::exp(2 * (cosine - 1)) * Eigen::Vector3d(0.5, 0.4, 0.1));
+}
+
+TEST(ReflectionModel, SeveralLightsServeSurfacesOfSeveralKinds) {
+  const Scene scene(OfTwoKinds);
+  const auto error = [&](int lights) {
+    return BlendError(scene, WithReflections(scene.source, FitReflections(scene.source, lights)),
+                      OfTwoKinds);
+  };
+  const double one = error(1);
+  EXPECT_LT(error(2), 0.9 * one);
+  EXPECT_LT(error(3), 0.9 * one);
+}
+
+// Between the corners of a triangle the light is that of the normal between theirs: what is
+// predicted follows the curved surface, not the flat triangle.
+TEST(ReflectionModel, CornersSeeTheirOwnMirrorDirections) {
+  const Scene scene(Mirroring);
+  const LightFieldSource filled = WithReflections(scene.source, FitReflections(scene.source));
+  LightField::WeightBuffer buffer;
+  double largest = 0;
+  for (int t = 0; t < static_cast<int>(scene.source.mesh.triangles.size()); t += 11) {
+    const std::vector<float> change = filled.change(t, 0, scene.source.weights(t, 0, buffer));
+    ASSERT_EQ(change.size(), 900u);
+    for (int i = 0; i < 300; ++i) {
+      largest = std::max<double>(largest, std::abs(change[i] - change[300 + i]));
+    }
+  }
+  EXPECT_GT(largest, 0.005);
+}
+
+TEST(ReflectionModel, RefusesNumbersOfLights) {
+  const Scene scene(Mirroring);
+  EXPECT_THROW(FitReflections(scene.source, 0), Error);
+  EXPECT_THROW(FitReflections(scene.source, 5), Error);
+}
+
 TEST(ReflectionModel, EyesWithoutADirectionAreNoTrouble) {
   const Scene scene(Mirroring);
   LightFieldSource source = scene.source;
@@ -103,13 +150,16 @@ TEST(ReflectionModel, EyesWithoutADirectionAreNoTrouble) {
   source.eyes[2] = Eigen::Vector3d::Constant(-1e160);
   const ReflectionModel model = FitReflections(source);
   for (const float gain : model.gain) EXPECT_TRUE(std::isfinite(gain));
-  EXPECT_TRUE(model.LightAt(Eigen::Vector3d::Zero()).allFinite());
+  EXPECT_TRUE(LookUp(model.lights[0], model.side, Eigen::Vector3d::Zero()).allFinite());
 }
 
 TEST(ReflectionModel, FindsTheBrightestDirectionAndWhoShowsMore) {
   const Scene scene(Mirroring);
-  const ReflectionModel model = FitReflections(scene.source);
-  EXPECT_GT(model.LightAt({0.6, 0, 0.8})[0], 3 * std::abs(model.LightAt({-0.6, 0, 0.8})[0]));
+  const ReflectionModel model = FitReflections(scene.source, 1);
+  const auto red = [&](const Eigen::Vector3d& d) {
+    return LookUp(model.lights[0], model.side, d)[0];
+  };
+  EXPECT_GT(red({0.6, 0, 0.8}), 3 * std::abs(red({-0.6, 0, 0.8})));
   double front = 0, back = 0;
   for (size_t t = 0; t < model.gain.size(); ++t) {
     const double x = TriangleNormal(scene.source.mesh, static_cast<int>(t)).x();
@@ -138,7 +188,7 @@ TEST(ReflectionModel, LeavesThePhotographsAlone) {
   const std::vector<float> change = WithReflections(moved.source, FitReflections(scene.source))
                                         .change(triangle, corner, {view, weight, seen});
   double largest = 0;
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < 9; ++c) {
     EXPECT_NEAR(change[c * 100 + q], 0, 1e-5);
     for (int i = 0; i < 100; ++i)
       largest = std::max<double>(largest, std::abs(change[c * 100 + i]));
@@ -197,7 +247,7 @@ TEST(ReflectionModel, DoesNotDependOnTheNumberOfThreads) {
   const ReflectionModel three = FitReflections(scene.source);
   SetThreadCount(0);
   EXPECT_EQ(one.gain, three.gain);
-  EXPECT_EQ(one.light, three.light);
+  EXPECT_EQ(one.lights, three.lights);
 }
 
 TEST(ReflectionModel, FindsWherePhotographsWereTaken) {
