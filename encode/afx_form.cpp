@@ -28,7 +28,7 @@ class MapReader {
  public:
   MapReader(const LightFieldModel& model, bool onto_disc)
       : model_(model), rings_(ComputeVertexRings(model.mesh)) {
-    if (onto_disc) disc_.emplace(model.grid);
+    if (onto_disc) disc_.emplace(model.grid, model.direction_map);
   }
 
   std::span<const int> Ring(int vertex) const {

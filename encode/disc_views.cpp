@@ -28,17 +28,17 @@ void AddTap(int row, int grid, const Eigen::Vector2d& square, Triplets& taps) {
 
 }  // namespace
 
-DiscViews::DiscViews(int grid) {
+DiscViews::DiscViews(int grid, DirectionMap from) {
   const int texels = grid * grid, fine = 2 * grid - 1, directions = fine * fine;
   Triplets disc, square, own;
   for (int q = 0; q < directions; ++q) {
     const Eigen::Vector3d d = GridDirection(DirectionMap::kHemiOctahedral, fine, q);
     AddTap(q, grid, SquareFromDirection(DirectionMap::kOrthographic, d), disc);
-    AddTap(q, grid, SquareFromDirection(DirectionMap::kHemiOctahedral, d), square);
+    AddTap(q, grid, SquareFromDirection(from, d), square);
   }
   for (int texel = 0; texel < texels; ++texel) {
     const Eigen::Vector3d d = GridDirection(DirectionMap::kOrthographic, grid, texel);
-    AddTap(texel, grid, SquareFromDirection(DirectionMap::kHemiOctahedral, d), own);
+    AddTap(texel, grid, SquareFromDirection(from, d), own);
   }
   const auto matrix = [texels](int rows, const Triplets& taps) {
     Matrix result(rows, texels);

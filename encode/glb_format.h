@@ -12,7 +12,8 @@ inline constexpr int kOldestVersion = 2;  ///< still read: has no codebooks and 
 inline constexpr const char* kOnePlane = "bc1";
 inline constexpr const char* kThreePlanes = "bc4";
 /// In the order of DirectionMap.
-inline constexpr const char* kDirectionMapNames[] = {"hemi-octahedral", "orthographic"};
+inline constexpr const char* kDirectionMapNames[] = {"hemi-octahedral", "orthographic",
+                                                     "hemi-octahedral-skirt"};
 inline constexpr int kPngCompression = 3;
 inline constexpr int kMaxTerms = 16;
 inline constexpr int kMaxTextureSize = 16384;

@@ -192,7 +192,7 @@ void CheckHeader(const Stream& stream, const GeometryHeader& header, size_t byte
   stream.Require(std::max(header.vertices, header.triangles) <= bytes * kTrianglesAByte,
                  "its geometry is too short for its triangles");
   stream.Require(header.terms <= 16 && header.grid >= 2 && header.grid <= 256 &&
-                     header.direction_map <= 1 && header.mean_in_terms <= 1 &&
+                     header.direction_map <= 2 && header.mean_in_terms <= 1 &&
                      header.max_texture >= 256 && header.max_texture <= 16384,
                  "its terms, view grid or pages are out of range");
   bool finite = std::isfinite(header.step) && header.step > 0 && header.step < 1e9;

@@ -10,12 +10,24 @@
 namespace lfm {
 namespace {
 
-/// The direction itself when it lies above the horizon, else its nearest on the horizon.
-Eigen::Vector3d LiftToHorizon(const Eigen::Vector3d& d) {
-  if (d.z() >= 0) return d;
+/// The z of the lowest directions that a map holds.
+double LowestZ(DirectionMap map) { return map == DirectionMap::kHemiOctahedralSkirt ? -kSkirt : 0; }
+
+/// The direction itself when it lies above z = `lowest`, else its nearest there.
+Eigen::Vector3d LiftTo(double lowest, const Eigen::Vector3d& d) {
+  if (d.z() >= lowest) return d;
   const double radius = std::hypot(d.x(), d.y());
   if (radius == 0) return {0, 0, 1};
-  return {d.x() / radius, d.y() / radius, 0};
+  const double scale = std::sqrt(1 - lowest * lowest) / radius;
+  return {d.x() * scale, d.y() * scale, lowest};
+}
+
+/// The direction (t p.x, t p.y, z) with |p.x| t + |p.y| t + (z + kSkirt) / (1 + kSkirt) = t.
+Eigen::Vector3d FromSkirtedSquare(double px, double py) {
+  const double slope = (1 + kSkirt) * std::max(0.0, 1 - std::abs(px) - std::abs(py));
+  const double a = px * px + py * py + slope * slope, b = slope * kSkirt;
+  const double t = (b + std::sqrt(b * b + a * (1 - kSkirt * kSkirt))) / a;
+  return Eigen::Vector3d(t * px, t * py, t * slope - kSkirt).normalized();
 }
 
 Eigen::Vector3d NormalOf(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& computed,
@@ -45,9 +57,11 @@ Eigen::Vector3d PerpendicularAxis(const Eigen::Vector3d& z, const Eigen::Vector3
 Eigen::Vector2d SquareFromDirection(DirectionMap map, const Eigen::Vector3d& direction_in_frame) {
   const double length = direction_in_frame.norm();
   if (!std::isfinite(length) || length == 0) return {0.5, 0.5};
-  const Eigen::Vector3d d = LiftToHorizon(direction_in_frame / length);
+  const double lowest = LowestZ(map);
+  const Eigen::Vector3d d = LiftTo(lowest, direction_in_frame / length);
   if (map == DirectionMap::kOrthographic) return {(d.x() + 1) / 2, (d.y() + 1) / 2};
-  const double scale = 1 / (std::abs(d.x()) + std::abs(d.y()) + d.z());
+  const double height = (d.z() - lowest) / (1 - lowest);
+  const double scale = 1 / (std::abs(d.x()) + std::abs(d.y()) + height);
   const double px = d.x() * scale, py = d.y() * scale;
   return {(px + py + 1) / 2, (px - py + 1) / 2};
 }
@@ -65,6 +79,7 @@ Eigen::Vector3d DirectionFromSquare(DirectionMap map, const Eigen::Vector2d& squ
     return {u, v, std::sqrt(1 - radius_squared)};
   }
   const double px = (u + v) / 2, py = (u - v) / 2;
+  if (map == DirectionMap::kHemiOctahedralSkirt) return FromSkirtedSquare(px, py);
   return Eigen::Vector3d(px, py, std::max(0.0, 1 - std::abs(px) - std::abs(py))).normalized();
 }
 

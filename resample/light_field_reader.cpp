@@ -66,7 +66,7 @@ lfs::FileHeader ReadHeader(Bytes bytes, const std::string& name) {
     Fail(name, "light field header is damaged");
   }
   if (header.file_bytes != bytes.size()) Fail(name, "light field file is truncated");
-  if (header.grid < 2 || header.grid > 256 || header.direction_map > 1) {
+  if (header.grid < 2 || header.grid > 256 || header.direction_map > 2) {
     Fail(name, "light field header is out of range");
   }
   return header;

@@ -30,7 +30,7 @@ enum class PhotoGainUse {
 
 struct ResampleOptions {
   int view_grid = 16;
-  DirectionMap direction_map = DirectionMap::kHemiOctahedral;
+  DirectionMap direction_map = DirectionMap::kHemiOctahedralSkirt;
   double max_grazing_deg = 80;
   double depth_margin_px = 1.5;
   double min_data_share = 0.5;
@@ -42,8 +42,11 @@ struct ResampleOptions {
     v.Integer({"view-grid", "Directions a side of a view map: sharper highlights against bytes.",
                "", 2, 128},
               view_grid);
-    v.Enumeration({"direction-map", "Layout of the hemisphere on a view map."},
-                  {"hemi-octahedral", "orthographic"}, direction_map);
+    v.Enumeration({"direction-map",
+                   "Layout of the hemisphere on a view map: square, the paper's disc, or square "
+                   "with directions down to 20 degrees below a vertex's horizon, from where "
+                   "triangles of a curved surface are seen."},
+                  {"hemi-octahedral", "orthographic", "hemi-octahedral-skirt"}, direction_map);
     v.Number({"max-grazing-deg",
               "A photograph that sees a triangle at a flatter angle is not used "
               "for it.",

@@ -12,7 +12,7 @@ namespace lfm {
 
 /// Where a direction lies in the plane in which views are triangulated.
 ///
-/// Hemi-octahedral maps use the stereographic projection (d.x, d.y) / (1 + d.z): circles stay
+/// Hemi-octahedral maps, with a skirt or without, use the stereographic projection (d.x, d.y) / (1 + d.z): circles stay
 /// circles, so the triangulation is the Delaunay triangulation of the sphere; the hemisphere is the
 /// unit disc, and directions below the horizon keep their place outside it (at most at radius 1e3,
 /// where (0, 0, -1) is put too). Orthographic maps use the paper's (d.x, d.y); directions below the

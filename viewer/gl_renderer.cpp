@@ -195,7 +195,7 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetInteger(program, "view_tiles_per_row", state_->view_tiles_per_row);
   SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
   SetInteger(program, "table_width", GlLightFieldMaps::kTableWidth);
-  SetInteger(program, "orthographic", state_->direction_map == DirectionMap::kOrthographic);
+  SetInteger(program, "direction_map", static_cast<int>(state_->direction_map));
   SetInteger(program, "mean_in_terms", state_->mean_in_terms);
   SetInteger(program, "view_coordinates_per_vertex",
              options.view_coordinates == ViewCoordinates::kPerVertex);

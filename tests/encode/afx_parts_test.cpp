@@ -157,17 +157,22 @@ TEST(AfxRanges, TurnsSignsSoThatLargeValuesArePositive) {
 }
 
 // A map that is smooth in direction is the same on the disc; looked up at random directions.
-TEST(DiscViews, KeepsSmoothMaps) {
+class DiscViewsFrom : public testing::TestWithParam<DirectionMap> {};
+INSTANTIATE_TEST_SUITE_P(Squares, DiscViewsFrom,
+                         testing::Values(DirectionMap::kHemiOctahedral,
+                                         DirectionMap::kHemiOctahedralSkirt));
+
+TEST_P(DiscViewsFrom, KeepsSmoothMaps) {
   constexpr int kGrid = 16;
   const auto value = [](const Eigen::Vector3d& d) { return 0.4 + 0.3 * d.x() - 0.2 * d.y(); };
   std::vector<float> square;
   for (int channel = 0; channel < 3; ++channel) {
     for (int q = 0; q < kGrid * kGrid; ++q) {
-      const auto d = GridDirection(DirectionMap::kHemiOctahedral, kGrid, q);
+      const auto d = GridDirection(GetParam(), kGrid, q);
       square.push_back(static_cast<float>(channel == 0 ? 0.7 : channel * value(d)));
     }
   }
-  const std::vector<float> disc = DiscViews(kGrid).FromSquare(square);
+  const std::vector<float> disc = DiscViews(kGrid, GetParam()).FromSquare(square);
   ASSERT_EQ(disc.size(), square.size());
   constexpr double kConstant_abs = 1e-5, kSmooth_abs = 0.02;
   for (int q = 0; q < kGrid * kGrid; ++q) {

@@ -90,7 +90,8 @@ class Afx : public ::testing::Test {
 // Writing what was read gives the same bytes: text and pictures, whatever the options say of a
 // model that has AFX form already.
 TEST_F(Afx, RoundTripGivesTheSameBytes) {
-  for (const DirectionMap map : {DirectionMap::kHemiOctahedral, DirectionMap::kOrthographic}) {
+  for (const DirectionMap map : {DirectionMap::kHemiOctahedral, DirectionMap::kOrthographic,
+                                 DirectionMap::kHemiOctahedralSkirt}) {
     for (const int terms : {0, 1, 3}) {
       const LightFieldModel model = MakeModel(1, map, {.terms = terms, .transport_db = 0});
       const AfxFiles written = WriteAfxForm(AfxForm(model, {.light_maps_per_term = 3}));

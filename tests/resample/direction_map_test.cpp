@@ -18,9 +18,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class DirectionMaps : public testing::TestWithParam<DirectionMap> {};
-INSTANTIATE_TEST_SUITE_P(Both, DirectionMaps,
-                         testing::Values(DirectionMap::kHemiOctahedral,
-                                         DirectionMap::kOrthographic));
+INSTANTIATE_TEST_SUITE_P(All, DirectionMaps,
+                         testing::Values(DirectionMap::kHemiOctahedral, DirectionMap::kOrthographic,
+                                         DirectionMap::kHemiOctahedralSkirt));
+
+double LowestZ(DirectionMap map) { return map == DirectionMap::kHemiOctahedralSkirt ? -kSkirt : 0; }
 
 Eigen::Vector3d RandomUpward(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -39,14 +41,20 @@ TEST_P(DirectionMaps, RoundTripsEveryDirectionAboveTheHorizon) {
   }
 }
 
-TEST_P(DirectionMaps, MovesDirectionsBelowTheHorizonOntoIt) {
+TEST_P(DirectionMaps, MovesDirectionsBelowTheLowestOntoThem) {
   std::mt19937 random(2);
+  const double lowest = LowestZ(GetParam());
   for (int i = 0; i < 200; ++i) {
     Eigen::Vector3d d = RandomUpward(random);
-    d.z() = -d.z();
-    const Eigen::Vector3d on_horizon = Eigen::Vector3d(d.x(), d.y(), 0).normalized();
+    const double height = lowest - (1 + lowest) * d.z();
+    const double azimuth = std::atan2(d.y(), d.x());
+    const auto at = [&](double z) {
+      const double radius = std::sqrt(1 - z * z);
+      return Eigen::Vector3d(radius * std::cos(azimuth), radius * std::sin(azimuth), z);
+    };
     EXPECT_LT(
-        (SquareFromDirection(GetParam(), d) - SquareFromDirection(GetParam(), on_horizon)).norm(),
+        (SquareFromDirection(GetParam(), at(height)) - SquareFromDirection(GetParam(), at(lowest)))
+            .norm(),
         1e-12);
   }
   EXPECT_EQ(SquareFromDirection(GetParam(), {0, 0, -1}), Eigen::Vector2d(0.5, 0.5));
@@ -84,7 +92,7 @@ TEST_P(DirectionMaps, GivesNumbersForAnything) {
         Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1)}) {
     const Eigen::Vector3d d = DirectionFromSquare(GetParam(), s);
     EXPECT_NEAR(d.norm(), 1, 1e-12) << s.transpose();
-    EXPECT_GE(d.z(), 0);
+    EXPECT_GE(d.z(), LowestZ(GetParam()) - 1e-12);
   }
 }
 
@@ -108,6 +116,28 @@ TEST(DirectionMap, HemiOctahedralPutsTheHorizonOnTheBorder) {
   EXPECT_EQ(SquareFromDirection(DirectionMap::kHemiOctahedral, {1, 0, 0}), Eigen::Vector2d(1, 1));
   EXPECT_EQ(SquareFromDirection(DirectionMap::kHemiOctahedral, {0, 1, 0}), Eigen::Vector2d(1, 0));
   EXPECT_EQ(SquareFromDirection(DirectionMap::kHemiOctahedral, {-1, 0, 0}), Eigen::Vector2d(0, 0));
+}
+
+TEST(DirectionMap, SkirtHoldsDirectionsBelowTheHorizon) {
+  constexpr auto kMap = DirectionMap::kHemiOctahedralSkirt;
+  for (int i = 0; i < 360; ++i) {
+    const double azimuth = i * std::numbers::pi / 180;
+    for (const double z : {-kSkirt + 1e-9, -0.2, -1e-9, 0.0, 1e-9, 0.1}) {
+      const double radius = std::sqrt(1 - z * z);
+      const Eigen::Vector3d d(radius * std::cos(azimuth), radius * std::sin(azimuth), z);
+      EXPECT_LT((DirectionFromSquare(kMap, SquareFromDirection(kMap, d)) - d).norm(), 1e-7);
+    }
+  }
+  const double radius = std::sqrt(1 - kSkirt * kSkirt);
+  EXPECT_LT((SquareFromDirection(kMap, {radius, 0, -kSkirt}) - Eigen::Vector2d(1, 1)).norm(),
+            1e-12);
+  // In the middle texels lie as close as without a skirt.
+  const Eigen::Vector3d tilted = Eigen::Vector3d(0.01, 0, 1).normalized();
+  const double without =
+      (SquareFromDirection(DirectionMap::kHemiOctahedral, tilted) - Eigen::Vector2d(0.5, 0.5))
+          .norm();
+  EXPECT_NEAR((SquareFromDirection(kMap, tilted) - Eigen::Vector2d(0.5, 0.5)).norm(), without,
+              0.01 * without);
 }
 
 void ExpectRightHanded(const Eigen::Matrix3d& frame) {

@@ -60,7 +60,8 @@ class GlRendererTest : public testing::Test {
 };
 
 TEST_F(GlRendererTest, AgreesWithTheReferenceForEveryTermAndCamera) {
-  for (const DirectionMap map : {DirectionMap::kHemiOctahedral, DirectionMap::kOrthographic}) {
+  for (const DirectionMap map : {DirectionMap::kHemiOctahedral, DirectionMap::kOrthographic,
+                                 DirectionMap::kHemiOctahedralSkirt}) {
     const LightFieldModel model = MakeSmoothRandomModel(1, map);
     ASSERT_GT(model.mean_pages.size(), 1u);
     ASSERT_GT(model.view_pages[0].size(), 1u);

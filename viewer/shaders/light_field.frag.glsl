@@ -26,7 +26,7 @@ uniform int vertex_count;
 uniform int grid;
 uniform int surface_first[16];  // layer of each term's first page
 uniform int view_first[16];
-uniform int orthographic;
+uniform int direction_map;
 uniform int view_coordinates_per_vertex;
 uniform int mean_in_terms;
 uniform int wireframe;
@@ -92,7 +92,7 @@ void main() {
   for (int j = 0; j < 3; ++j) {
     vec2 square = view_coordinates_per_vertex != 0
                       ? view_vector[j].xy
-                      : SquareFromDirection(normalize(view_vector[j]), orthographic != 0);
+                      : SquareFromDirection(normalize(view_vector[j]), direction_map);
     view_texel[j] = clamp(square, 0.0, 1.0) * float(grid - 1);
   }
   // Corners whose terms do not hold the mean view show it themselves.

@@ -15,7 +15,7 @@ uniform int table_width;
 uniform int grid;
 uniform int view_tiles_per_row;
 uniform int view_tiles_per_page;
-uniform int orthographic;
+uniform int direction_map;
 uniform int view_coordinates_per_vertex;
 
 centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (square position, 0)
@@ -48,7 +48,7 @@ void main() {
     vec3 in_frame = vec3(dot(x_axis.xyz, to_eye), dot(y_axis.xyz, to_eye),
                          dot(FrameEntry(v, 2).xyz, to_eye));
     view_vector[j] = view_coordinates_per_vertex != 0
-                         ? vec3(SquareFromDirection(normalize(in_frame), orthographic != 0), 0.0)
+                         ? vec3(SquareFromDirection(normalize(in_frame), direction_map), 0.0)
                          : in_frame;
     int slot = int(x_axis.w + 0.5), in_page = slot % view_tiles_per_page;
     view_tile[j] = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
