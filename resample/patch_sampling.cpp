@@ -102,18 +102,26 @@ std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle,
   return points;
 }
 
-std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
-                                      const Pose& camera_from_world,
-                                      const std::vector<Eigen::Vector3d>& points) {
+void HideSample(SampledView& view, size_t sample) {
+  const auto begin = view.knowledge.begin() + static_cast<std::ptrdiff_t>(3 * sample);
+  view.data_samples -= *begin != Knowledge::kMissing ? 1 : 0;
+  view.hidden_samples += 1;
+  std::fill_n(begin, 3, Knowledge::kMissing);
+}
+
+SampledView SampleView(const PhotoPixels& photo, const Camera& camera,
+                       const Pose& camera_from_world, const std::vector<Eigen::Vector3d>& points) {
   constexpr float kScale = static_cast<float>(LightField::kOne) / 255;
   SampledView view;
-  view.values.resize(3 * points.size());
-  view.knowledge.resize(3 * points.size());
+  view.values.assign(3 * points.size(), 0);
+  view.knowledge.assign(3 * points.size(), Knowledge::kMissing);
   for (size_t s = 0; s < points.size(); ++s) {
     const auto pixel = Project(camera, camera_from_world * points[s]);
-    if (!pixel) return std::nullopt;
-    const auto tap = TapAt(photo.width, photo.height, *pixel);
-    if (!tap) return std::nullopt;
+    const auto tap = pixel ? TapAt(photo.width, photo.height, *pixel) : std::nullopt;
+    if (!tap) {
+      HideSample(view, s);
+      continue;
+    }
     const std::array<const uint8_t*, 4> pixels = {
         photo.At(tap->x, tap->y), photo.At(tap->x + 1, tap->y), photo.At(tap->x, tap->y + 1),
         photo.At(tap->x + 1, tap->y + 1)};
@@ -123,7 +131,10 @@ std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& ca
     for (size_t k = 0; k < 4; ++k) {
       if (weights[k] > 0) use = std::min(use, static_cast<PixelUse>(pixels[k][3]));
     }
-    if (use == PixelUse::kForbidden) return std::nullopt;
+    if (use == PixelUse::kForbidden) {
+      HideSample(view, s);
+      continue;
+    }
     view.data_samples += use == PixelUse::kData ? 1 : 0;
     for (size_t c = 0; c < 3; ++c) {
       float value = 0;

@@ -65,12 +65,15 @@ struct SampledView {
   /// As long: a lower bound where a pixel that was used stands at 255 in that channel; missing
   /// where one that was needed is no data.
   std::vector<Knowledge> knowledge;
-  int data_samples = 0;  ///< samples that are not missing
+  int data_samples = 0;    ///< samples that are not missing
+  int hidden_samples = 0;  ///< of the missing ones: not in sight, rather than near a depth edge
 };
-/// Samples a photograph at the projections of `points` (full lens model). No answer when a point
-/// cannot be sampled: behind the camera, a needed pixel outside the frame, or a forbidden one.
-std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
-                                      const Pose& camera_from_world,
-                                      const std::vector<Eigen::Vector3d>& points);
+/// Samples a photograph at the projections of `points` (full lens model). A point behind the
+/// camera, or of which a needed pixel lies outside the frame or is forbidden, is hidden; what
+/// occludes points SampleView does not know.
+SampledView SampleView(const PhotoPixels& photo, const Camera& camera,
+                       const Pose& camera_from_world, const std::vector<Eigen::Vector3d>& points);
+/// Makes a sample hidden: missing in all channels, whatever it was.
+void HideSample(SampledView& view, size_t sample);
 
 }  // namespace lfm
