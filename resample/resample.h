@@ -22,6 +22,12 @@ enum class SampleOn {
   kSurface,  ///< the dense surface above them, along the interpolated normal
 };
 
+/// How photographs are read at a sample.
+enum class Sampling {
+  kBilinear,  ///< at its projection
+  kEwa,       ///< over the area that the sample stands for (area_sampling.h)
+};
+
 /// Whether differences of exposure and white balance between photographs are taken out.
 enum class PhotoGainUse {
   kAuto,  ///< where triangles that were kept out of the fit say that they are needed
@@ -40,6 +46,7 @@ struct ResampleOptions {
   int impute_terms = 3;
   int max_edge_samples = 65;
   SampleOn sample_on = SampleOn::kMesh;
+  Sampling sampling = Sampling::kBilinear;
   PhotoGainUse photo_gains = PhotoGainUse::kAuto;
   void Declare(OptionVisitor& v) {
     v.Integer({"view-grid", "Directions a side of a view map: sharper highlights against bytes.",
@@ -87,6 +94,10 @@ struct ResampleOptions {
                    "Points to sample: of the mesh (exact in each photograph's own view), or of the "
                    "dense surface above it (sharper where the mesh is coarse)."},
                   {"mesh", "surface"}, sample_on);
+    v.Enumeration({"sampling",
+                   "How photographs are read at a sample: between four pixels, or averaged over "
+                   "the area that it stands for (against aliasing, of coarse patches)."},
+                  {"bilinear", "ewa"}, sampling);
     v.Enumeration({"photo-gains",
                    "Bring photographs to one exposure and white balance, estimated where they show "
                    "the same triangles: where they need it (auto), never, or always."},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resample/area_sampling.h"
 #include "resample/imputation.h"
 #include "resample/view_weights.h"
 
@@ -31,7 +32,7 @@ void HideOccluded(const RayScene& surface, const Pose& camera_from_world, double
 }
 
 Views SampleViews(const ResampleScene& scene, const TriangleViews& candidates,
-                  const std::vector<Eigen::Vector3d>& points) {
+                  const std::vector<Eigen::Vector3d>& points, int edge_samples) {
   const auto count = static_cast<double>(points.size());
   const double needed = scene.options.min_data_share * count - 1e-9;
   const double spare = scene.options.max_hidden_share * count + 1e-9;
@@ -39,8 +40,11 @@ Views SampleViews(const ResampleScene& scene, const TriangleViews& candidates,
   for (size_t i = 0; i < candidates.photos.size(); ++i) {
     const uint16_t p = candidates.photos[i];
     const UsedPhoto& photo = scene.photos[p];
+    const PhotoPixels& pixels = scene.seen[p].pixels;
     SampledView sampled =
-        SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points);
+        scene.options.sampling == Sampling::kEwa
+            ? SampleViewByArea(pixels, photo.camera, photo.camera_from_world, points, edge_samples)
+            : SampleView(pixels, photo.camera, photo.camera_from_world, points);
     if (candidates.hidden_beyond_mm[i] > 0) {
       HideOccluded(scene.surface, photo.camera_from_world, candidates.hidden_beyond_mm[i], points,
                    sampled);
@@ -171,7 +175,7 @@ ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
   const std::vector<Eigen::Vector3d> points =
       PatchPoints(scene.mesh, triangle, record.edge_samples, scene.options.sample_on, scene.surface,
                   scene.max_shift_mm);
-  const Views views = SampleViews(scene, candidates, points);
+  const Views views = SampleViews(scene, candidates, points, record.edge_samples);
   if (views.photos.empty()) return result;
   record.photos = views.photos;
   record.values = Interleave(views.sampled, 3 * points.size());
