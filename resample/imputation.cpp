@@ -17,7 +17,6 @@ using Factor = Eigen::Matrix<float, Eigen::Dynamic, kMaxImputationTerms, Eigen::
 // Of the largest singular value: small against what is known of most rows and views, large against
 // noise where little is.
 constexpr float kRidge_rel = 1e-3F;
-constexpr int kSweeps = 20;
 
 /// Means of what is known of each row, and how much is known of each row and view.
 struct Means {
@@ -119,14 +118,12 @@ void Sweep(const Factor& basis, float ridge, const Value& value, const Kind& kin
   }
 }
 
-Factors Fit(const PartialMatrix& matrix, const Means& means, int max_terms) {
-  constexpr Index kViewsForATerm = 3;
-  const auto terms =
-      static_cast<int>(std::clamp<Index>(matrix.values.cols() / kViewsForATerm, 1, max_terms));
-  Factors factors = StartFactors(FillGaps(matrix, means), terms);
+/// Fits `terms` terms, from those of `start`, which has no gaps.
+Factors Fit(const PartialMatrix& matrix, const Eigen::MatrixXf& start, int terms, int sweeps) {
+  Factors factors = StartFactors(start, terms);
   const auto value = [&](Index r, Index v) { return matrix.values(r, v); };
   const auto kind = [&](Index r, Index v) { return matrix.knowledge(r, v); };
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     Sweep(factors.views, factors.ridge, value, kind, factors.rows);
     Sweep(
         factors.rows, factors.ridge, [&](Index v, Index r) { return value(r, v); },
@@ -135,14 +132,10 @@ Factors Fit(const PartialMatrix& matrix, const Means& means, int max_terms) {
   return factors;
 }
 
-}  // namespace
-
-Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms) {
+/// The matrix with what the fit says where there are no data.
+Eigen::MatrixXf FillFromFit(const PartialMatrix& matrix, const Means& means, const Factors& factors,
+                            float ceiling) {
   Eigen::MatrixXf result = matrix.values;
-  const bool complete = (matrix.knowledge.array() == Knowledge::kData).all();
-  if (complete) return result;
-  const Means means = MeansOfKnown(matrix);
-  const Factors factors = Fit(matrix, means, std::clamp(max_terms, 1, kMaxImputationTerms));
   for (Index v = 0; v < result.cols(); ++v) {
     for (Index r = 0; r < result.rows(); ++r) {
       const Knowledge known = matrix.knowledge(r, v);
@@ -157,6 +150,28 @@ Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms
     }
   }
   return result;
+}
+
+}  // namespace
+
+Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms) {
+  constexpr int kSweeps = 20, kMoreSweeps = 10;
+  constexpr Index kTermsOfBounds = 2, kViewsForATerm = 3;
+  if ((matrix.knowledge.array() == Knowledge::kData).all()) return matrix.values;
+  const Means means = MeansOfKnown(matrix);
+  const Index most = std::clamp<Index>(matrix.values.cols() / kViewsForATerm, 1,
+                                       std::clamp(max_terms, 1, kMaxImputationTerms));
+  const auto first = static_cast<int>(std::min(most, kTermsOfBounds));
+  Eigen::MatrixXf filled =
+      FillFromFit(matrix, means, Fit(matrix, FillGaps(matrix, means), first, kSweeps), ceiling);
+  const bool gaps = (matrix.knowledge.array() == Knowledge::kMissing).any();
+  if (most == first || !gaps) return filled;
+  // More terms would be free to shoot up over bounds: these count as found now.
+  PartialMatrix rest{filled, matrix.knowledge};
+  for (Knowledge& known : rest.knowledge.reshaped()) {
+    if (known == Knowledge::kLowerBound) known = Knowledge::kData;
+  }
+  return FillFromFit(rest, means, Fit(rest, filled, static_cast<int>(most), kMoreSweeps), ceiling);
 }
 
 }  // namespace lfm

@@ -26,11 +26,14 @@ struct PartialMatrix {
 /// Estimates what the entries that are not data would have been: a low-rank fit with one-sided
 /// residuals.
 ///
-/// At most `max_terms` terms (1 to kMaxImputationTerms; a diffuse and a glossy part, and what a
-/// shadow or a second highlight adds), and no more than a third of the views, are fitted by
-/// alternating ridge regression to the entries that are data. A lower bound takes part only while
+/// Two terms (a diffuse and a glossy part; one with fewer than six views) are fitted by alternating
+/// ridge regression to the entries that are data. A lower bound takes part only while
 /// the fit lies below it, and then pulls towards it; it becomes max(bound, fit). A missing entry
 /// becomes the fit, not below zero. Both are at most `ceiling`. Data stay as they are, bit for bit.
+///
+/// Where entries are missing, up to `max_terms` terms (1 to kMaxImputationTerms, a third of the
+/// views at most; what a shadow or a second highlight adds) are then fitted from there, with
+/// bounds at what they were found to be; they decide about the missing ones.
 ///
 /// No view is dropped for being saturated: those are the views that show the highlight, and a
 /// triangle without them would be too dark there. A view without any data or bound takes the rows'

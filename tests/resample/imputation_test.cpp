@@ -109,8 +109,8 @@ TEST(Impute, FitsAsManyTermsAsAreAskedFor) {
     }
   }
   PartialMatrix matrix{truth, Kinds::Constant(93, 30, Knowledge::kData)};
-  for (int v = 0; v < 30; ++v) {
-    for (int r = 0; r < 93; r += 3) matrix.knowledge((r + v) % 93, v) = Knowledge::kMissing;
+  for (int v = 0; v < 30; v += 2) {
+    for (int r = 0; r < 40; ++r) matrix.knowledge((r + 7 * v) % 93, v) = Knowledge::kMissing;
   }
   const Mask gaps = (matrix.knowledge.array() == Knowledge::kMissing).matrix();
   std::vector<double> errors;
