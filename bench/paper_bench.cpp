@@ -26,8 +26,10 @@ constexpr int kTerms = 3, kMostTerms = 6;
 ResampleOptions PaperResampling() {
   return {.view_grid = 32,
           .direction_map = DirectionMap::kOrthographic,
+          .max_grazing_deg = 80,
           .min_data_share = 1,
           .hull_margin = 0,
+          .max_hidden_share = 0,
           .photo_gains = PhotoGainUse::kOff};
 }
 

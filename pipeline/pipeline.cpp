@@ -265,6 +265,7 @@ StageJob ResampleJob(const Run& run) {
                     {"unseen_triangles", result.unseen_triangles},
                     {"saturated_share", result.saturated_share},
                     {"near_edge_share", result.near_edge_share},
+                    {"hidden_share", result.hidden_share},
                     {"seen_directions_share", result.seen_directions_share}};
           }};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "resample/imputation.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -9,13 +10,13 @@ namespace lfm {
 namespace {
 
 using Eigen::Index;
-using Terms = Eigen::Vector2f;
-using Factor = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+// Of one size whatever the number of terms: those that are not used stay zero.
+using Terms = Eigen::Matrix<float, kMaxImputationTerms, 1>;
+using Factor = Eigen::Matrix<float, Eigen::Dynamic, kMaxImputationTerms, Eigen::RowMajor>;
 
 // Of the largest singular value: small against what is known of most rows and views, large against
 // noise where little is.
 constexpr float kRidge_rel = 1e-3F;
-constexpr int kSweeps = 20;
 
 /// Means of what is known of each row, and how much is known of each row and view.
 struct Means {
@@ -62,7 +63,9 @@ Factors StartFactors(const Eigen::MatrixXf& filled, int terms) {
   const Eigen::MatrixXd exact = filled.cast<double>();
   const Eigen::MatrixXd gram = exact.transpose() * exact;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
-  Factors factors{Factor::Zero(filled.rows(), 2), Factor::Zero(filled.cols(), 2), 0};
+  Factors factors;
+  factors.rows.setZero(filled.rows(), kMaxImputationTerms);
+  factors.views.setZero(filled.cols(), kMaxImputationTerms);
   for (int k = 0; k < terms; ++k) {
     const Index column = filled.cols() - 1 - k;
     const double singular = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
@@ -76,25 +79,24 @@ Factors StartFactors(const Eigen::MatrixXf& filled, int terms) {
   return factors;
 }
 
-/// Ridge regression of one row (or view) on the other side's terms, by the normal equations of two
-/// unknowns; a term that is zero throughout stays zero.
+/// Ridge regression of one row (or view) on the other side's terms, by the normal equations; a term
+/// that is zero throughout stays zero, and so does all without a ridge (of data that are zero).
 class Regression {
  public:
   void Add(const Terms& terms, float value) {
-    a_ += terms[0] * terms[0];
-    b_ += terms[0] * terms[1];
-    c_ += terms[1] * terms[1];
+    gram_.noalias() += terms * terms.transpose();
     right_ += value * terms;
   }
   Terms Solve(float ridge) const {
-    const float a = a_ + ridge, c = c_ + ridge;
-    const float determinant = a * c - b_ * b_;
-    if (!(determinant > 0)) return Terms::Zero();
-    return Terms(c * right_[0] - b_ * right_[1], a * right_[1] - b_ * right_[0]) / determinant;
+    if (!(ridge > 0)) return Terms::Zero();
+    Gram gram = gram_;
+    gram.diagonal().array() += ridge;
+    return gram.llt().solve(right_);
   }
 
  private:
-  float a_ = 0, b_ = 0, c_ = 0;
+  using Gram = Eigen::Matrix<float, kMaxImputationTerms, kMaxImputationTerms>;
+  Gram gram_ = Gram::Zero();
   Terms right_ = Terms::Zero();
 };
 
@@ -116,13 +118,12 @@ void Sweep(const Factor& basis, float ridge, const Value& value, const Kind& kin
   }
 }
 
-Factors Fit(const PartialMatrix& matrix, const Means& means) {
-  constexpr Index kViewsForTwoTerms = 6;
-  const int terms = matrix.values.cols() >= kViewsForTwoTerms ? 2 : 1;
-  Factors factors = StartFactors(FillGaps(matrix, means), terms);
+/// Fits `terms` terms, from those of `start`, which has no gaps.
+Factors Fit(const PartialMatrix& matrix, const Eigen::MatrixXf& start, int terms, int sweeps) {
+  Factors factors = StartFactors(start, terms);
   const auto value = [&](Index r, Index v) { return matrix.values(r, v); };
   const auto kind = [&](Index r, Index v) { return matrix.knowledge(r, v); };
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     Sweep(factors.views, factors.ridge, value, kind, factors.rows);
     Sweep(
         factors.rows, factors.ridge, [&](Index v, Index r) { return value(r, v); },
@@ -131,14 +132,10 @@ Factors Fit(const PartialMatrix& matrix, const Means& means) {
   return factors;
 }
 
-}  // namespace
-
-Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling) {
+/// The matrix with what the fit says where there are no data.
+Eigen::MatrixXf FillFromFit(const PartialMatrix& matrix, const Means& means, const Factors& factors,
+                            float ceiling) {
   Eigen::MatrixXf result = matrix.values;
-  const bool complete = (matrix.knowledge.array() == Knowledge::kData).all();
-  if (complete) return result;
-  const Means means = MeansOfKnown(matrix);
-  const Factors factors = Fit(matrix, means);
   for (Index v = 0; v < result.cols(); ++v) {
     for (Index r = 0; r < result.rows(); ++r) {
       const Knowledge known = matrix.knowledge(r, v);
@@ -153,6 +150,28 @@ Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling) {
     }
   }
   return result;
+}
+
+}  // namespace
+
+Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms) {
+  constexpr int kSweeps = 20, kMoreSweeps = 10;
+  constexpr Index kTermsOfBounds = 2, kViewsForATerm = 3;
+  if ((matrix.knowledge.array() == Knowledge::kData).all()) return matrix.values;
+  const Means means = MeansOfKnown(matrix);
+  const Index most = std::clamp<Index>(matrix.values.cols() / kViewsForATerm, 1,
+                                       std::clamp(max_terms, 1, kMaxImputationTerms));
+  const auto first = static_cast<int>(std::min(most, kTermsOfBounds));
+  Eigen::MatrixXf filled =
+      FillFromFit(matrix, means, Fit(matrix, FillGaps(matrix, means), first, kSweeps), ceiling);
+  const bool gaps = (matrix.knowledge.array() == Knowledge::kMissing).any();
+  if (most == first || !gaps) return filled;
+  // More terms would be free to shoot up over bounds: these count as found now.
+  PartialMatrix rest{filled, matrix.knowledge};
+  for (Knowledge& known : rest.knowledge.reshaped()) {
+    if (known == Knowledge::kLowerBound) known = Knowledge::kData;
+  }
+  return FillFromFit(rest, means, Fit(rest, filled, static_cast<int>(most), kMoreSweeps), ceiling);
 }
 
 }  // namespace lfm

@@ -71,11 +71,11 @@ void Report(const lfm::ResampleResult& result, lfm::Progress& progress) {
   char line[200];
   std::snprintf(line, sizeof(line),
                 "%.1f views and %.0f samples a triangle; %d triangles unseen; %.2f %% saturated, "
-                "%.1f %% near edges; "
+                "%.1f %% near edges, %.1f %% hidden; "
                 "%.0f %% of directions inside the photographs'",
                 result.mean_visible_views, result.samples_per_triangle, result.unseen_triangles,
                 100 * result.saturated_share, 100 * result.near_edge_share,
-                100 * result.seen_directions_share);
+                100 * result.hidden_share, 100 * result.seen_directions_share);
   progress.Note(line);
   if (result.photo_gains.empty()) return;
   std::snprintf(line, sizeof(line),

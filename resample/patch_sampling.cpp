@@ -102,40 +102,65 @@ std::vector<Eigen::Vector3d> PatchPoints(const TriangleMesh& mesh, int triangle,
   return points;
 }
 
-std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
-                                      const Pose& camera_from_world,
-                                      const std::vector<Eigen::Vector3d>& points) {
-  constexpr float kScale = static_cast<float>(LightField::kOne) / 255;
+std::optional<PixelReading> ReadBilinear(const PhotoPixels& photo, const Eigen::Vector2d& pixel) {
+  const auto tap = TapAt(photo.width, photo.height, pixel);
+  if (!tap) return std::nullopt;
+  const std::array<const uint8_t*, 4> pixels = {
+      photo.At(tap->x, tap->y), photo.At(tap->x + 1, tap->y), photo.At(tap->x, tap->y + 1),
+      photo.At(tap->x + 1, tap->y + 1)};
+  const std::array<float, 4> weights = {(1 - tap->fx) * (1 - tap->fy), tap->fx * (1 - tap->fy),
+                                        (1 - tap->fx) * tap->fy, tap->fx * tap->fy};
+  PixelReading reading;
+  for (size_t k = 0; k < 4; ++k) {
+    if (weights[k] > 0) reading.use = std::min(reading.use, static_cast<PixelUse>(pixels[k][3]));
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    reading.level[c] = 0;
+    reading.saturated[c] = false;
+    for (size_t k = 0; k < 4; ++k) {
+      reading.level[c] += weights[k] * photo.levels[c][pixels[k][c]];
+      reading.saturated[c] = reading.saturated[c] || (weights[k] > 0 && pixels[k][c] == 255);
+    }
+  }
+  return reading;
+}
+
+SampledView UnknownView(size_t samples) {
   SampledView view;
-  view.values.resize(3 * points.size());
-  view.knowledge.resize(3 * points.size());
+  view.values.assign(3 * samples, 0);
+  view.knowledge.assign(3 * samples, Knowledge::kMissing);
+  return view;
+}
+
+void SetSample(SampledView& view, size_t sample, const PixelReading& reading) {
+  constexpr float kScale = static_cast<float>(LightField::kOne) / 255;
+  if (reading.use != PixelUse::kData) return;
+  view.data_samples += 1;
+  for (size_t c = 0; c < 3; ++c) {
+    view.values[3 * sample + c] =
+        static_cast<uint16_t>(std::min(reading.level[c] * kScale + 0.5F, 65535.0F));
+    view.knowledge[3 * sample + c] =
+        reading.saturated[c] ? Knowledge::kLowerBound : Knowledge::kData;
+  }
+}
+
+void HideSample(SampledView& view, size_t sample) {
+  const auto begin = view.knowledge.begin() + static_cast<std::ptrdiff_t>(3 * sample);
+  view.data_samples -= *begin != Knowledge::kMissing ? 1 : 0;
+  view.hidden_samples += 1;
+  std::fill_n(begin, 3, Knowledge::kMissing);
+}
+
+SampledView SampleView(const PhotoPixels& photo, const Camera& camera,
+                       const Pose& camera_from_world, const std::vector<Eigen::Vector3d>& points) {
+  SampledView view = UnknownView(points.size());
   for (size_t s = 0; s < points.size(); ++s) {
     const auto pixel = Project(camera, camera_from_world * points[s]);
-    if (!pixel) return std::nullopt;
-    const auto tap = TapAt(photo.width, photo.height, *pixel);
-    if (!tap) return std::nullopt;
-    const std::array<const uint8_t*, 4> pixels = {
-        photo.At(tap->x, tap->y), photo.At(tap->x + 1, tap->y), photo.At(tap->x, tap->y + 1),
-        photo.At(tap->x + 1, tap->y + 1)};
-    const std::array<float, 4> weights = {(1 - tap->fx) * (1 - tap->fy), tap->fx * (1 - tap->fy),
-                                          (1 - tap->fx) * tap->fy, tap->fx * tap->fy};
-    auto use = PixelUse::kData;
-    for (size_t k = 0; k < 4; ++k) {
-      if (weights[k] > 0) use = std::min(use, static_cast<PixelUse>(pixels[k][3]));
-    }
-    if (use == PixelUse::kForbidden) return std::nullopt;
-    view.data_samples += use == PixelUse::kData ? 1 : 0;
-    for (size_t c = 0; c < 3; ++c) {
-      float value = 0;
-      bool saturated = false;
-      for (size_t k = 0; k < 4; ++k) {
-        value += weights[k] * photo.levels[c][pixels[k][c]];
-        saturated = saturated || (weights[k] > 0 && pixels[k][c] == 255);
-      }
-      view.values[3 * s + c] = static_cast<uint16_t>(std::min(value * kScale + 0.5F, 65535.0F));
-      view.knowledge[3 * s + c] = use != PixelUse::kData ? Knowledge::kMissing
-                                  : saturated            ? Knowledge::kLowerBound
-                                                         : Knowledge::kData;
+    const auto reading = pixel ? ReadBilinear(photo, *pixel) : std::nullopt;
+    if (!reading || reading->use == PixelUse::kForbidden) {
+      HideSample(view, s);
+    } else {
+      SetSample(view, s, *reading);
     }
   }
   return view;

@@ -49,6 +49,15 @@ struct BilinearTap {
 /// two pixels wide or high.
 std::optional<BilinearTap> TapAt(int width, int height, const Eigen::Vector2d& pixel);
 
+/// What a photograph says at a position between its pixels.
+struct PixelReading {
+  PixelUse use = PixelUse::kData;  ///< the least of the pixels that have weight
+  std::array<float, 3> level;      ///< RGB: 8-bit levels, bilinear
+  std::array<bool, 3> saturated;   ///< a pixel that has weight stands at 255
+};
+/// No answer outside the frame, as TapAt.
+std::optional<PixelReading> ReadBilinear(const PhotoPixels& photo, const Eigen::Vector2d& pixel);
+
 /// The points at which a triangle's patch is sampled, in the order of PatchSampleIndex, world
 /// frame. `surface` prepares the dense surface; with SampleOn::kSurface a sample is moved along the
 /// interpolated vertex normal of `mesh` (which must have normals) to the nearest crossing with the
@@ -65,12 +74,19 @@ struct SampledView {
   /// As long: a lower bound where a pixel that was used stands at 255 in that channel; missing
   /// where one that was needed is no data.
   std::vector<Knowledge> knowledge;
-  int data_samples = 0;  ///< samples that are not missing
+  int data_samples = 0;    ///< samples that are not missing
+  int hidden_samples = 0;  ///< of the missing ones: not in sight, rather than near a depth edge
 };
-/// Samples a photograph at the projections of `points` (full lens model). No answer when a point
-/// cannot be sampled: behind the camera, a needed pixel outside the frame, or a forbidden one.
-std::optional<SampledView> SampleView(const PhotoPixels& photo, const Camera& camera,
-                                      const Pose& camera_from_world,
-                                      const std::vector<Eigen::Vector3d>& points);
+/// Samples a photograph at the projections of `points` (full lens model). A point behind the
+/// camera, or of which a needed pixel lies outside the frame or is forbidden, is hidden; what
+/// occludes points SampleView does not know.
+SampledView SampleView(const PhotoPixels& photo, const Camera& camera,
+                       const Pose& camera_from_world, const std::vector<Eigen::Vector3d>& points);
+/// A view whose samples are all missing.
+SampledView UnknownView(size_t samples);
+/// Gives a sample that was missing a reading: missing still when the reading is not data.
+void SetSample(SampledView& view, size_t sample, const PixelReading& reading);
+/// Makes a sample hidden: missing in all channels, whatever it was.
+void HideSample(SampledView& view, size_t sample);
 
 }  // namespace lfm

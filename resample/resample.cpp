@@ -18,9 +18,10 @@ namespace {
 /// Sums over triangles, in whole numbers so that their order does not matter.
 struct Totals {
   int64_t triangles = 0, unseen = 0;
-  int64_t patch_samples = 0;                        ///< of one view
-  int64_t views = 0;                                ///< over triangles
-  int64_t samples = 0, saturated = 0, missing = 0;  ///< over views
+  int64_t patch_samples = 0;           ///< of one view
+  int64_t views = 0;                   ///< over triangles
+  int64_t samples = 0, saturated = 0;  ///< over views
+  int64_t missing = 0, hidden = 0;
   int64_t seen_entries = 0;
 
   void Add(const ResampledTriangle& triangle) {
@@ -31,6 +32,7 @@ struct Totals {
     samples += triangle.samples;
     saturated += triangle.saturated;
     missing += triangle.missing;
+    hidden += triangle.hidden;
     seen_entries += triangle.seen_entries;
   }
 };
@@ -126,7 +128,8 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
   result.dense_bytes = 3 * totals.patch_samples * entries;
   result.unseen_triangles = static_cast<int>(totals.unseen);
   result.saturated_share = Share(totals.saturated, totals.samples);
-  result.near_edge_share = Share(totals.missing, totals.samples);
+  result.near_edge_share = Share(totals.missing - totals.hidden, totals.samples);
+  result.hidden_share = Share(totals.hidden, totals.samples);
   result.seen_directions_share = Share(totals.seen_entries, 3 * totals.triangles * entries);
   return result;
 }

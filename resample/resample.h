@@ -11,6 +11,7 @@
 #include "core/options.h"
 #include "core/progress.h"
 #include "core/triangle_mesh.h"
+#include "resample/imputation.h"
 #include "resample/light_field.h"
 
 namespace lfm {
@@ -19,6 +20,12 @@ namespace lfm {
 enum class SampleOn {
   kMesh,     ///< points of the decimated mesh: what a renderer's rays hit
   kSurface,  ///< the dense surface above them, along the interpolated normal
+};
+
+/// How photographs are read at a sample.
+enum class Sampling {
+  kBilinear,  ///< at its projection
+  kEwa,       ///< over the area that the sample stands for (area_sampling.h)
 };
 
 /// Whether differences of exposure and white balance between photographs are taken out.
@@ -31,12 +38,15 @@ enum class PhotoGainUse {
 struct ResampleOptions {
   int view_grid = 16;
   DirectionMap direction_map = DirectionMap::kHemiOctahedralSkirt;
-  double max_grazing_deg = 80;
+  double max_grazing_deg = 83;
   double depth_margin_px = 1.5;
-  double min_data_share = 0.5;
+  double min_data_share = 0.1;
   double hull_margin = 0.08;
+  double max_hidden_share = 0.85;
+  int impute_terms = 3;
   int max_edge_samples = 65;
   SampleOn sample_on = SampleOn::kMesh;
+  Sampling sampling = Sampling::kBilinear;
   PhotoGainUse photo_gains = PhotoGainUse::kAuto;
   void Declare(OptionVisitor& v) {
     v.Integer({"view-grid", "Directions a side of a view map: sharper highlights against bytes.",
@@ -59,8 +69,8 @@ struct ResampleOptions {
              depth_margin_px);
     v.Number(
         {"min-data-share",
-         "Use a photograph for a triangle that it shows unoccluded when at least this share of "
-         "it keeps the margin (the rest is estimated from the other photographs); 1 = all.",
+         "Use a photograph for a triangle when at least this share of it is in sight and keeps the "
+         "margin (the rest is estimated from the other photographs); 1 = all.",
          "", 0.05, 1},
         min_data_share);
     v.Number(
@@ -70,6 +80,16 @@ struct ResampleOptions {
          "on the border two that lie far apart; 0 = as it is.",
          "", 0, 0.9},
         hull_margin);
+    v.Number({"max-hidden-share",
+              "Use a photograph for a triangle of which at most this share is hidden, or outside "
+              "frame and mask, too (estimated from the other photographs); 0 = only triangles "
+              "wholly in sight.",
+              "", 0, 0.95},
+             max_hidden_share);
+    v.Integer({"impute-terms",
+               "Terms of the fit that estimates what a photograph does not tell of a triangle.", "",
+               1, kMaxImputationTerms},
+              impute_terms);
     v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3,
                kMaxEdgeSamples},
               max_edge_samples);
@@ -77,6 +97,10 @@ struct ResampleOptions {
                    "Points to sample: of the mesh (exact in each photograph's own view), or of the "
                    "dense surface above it (sharper where the mesh is coarse)."},
                   {"mesh", "surface"}, sample_on);
+    v.Enumeration({"sampling",
+                   "How photographs are read at a sample: between four pixels, or averaged over "
+                   "the area that it stands for (against aliasing, of coarse patches)."},
+                  {"bilinear", "ewa"}, sampling);
     v.Enumeration({"photo-gains",
                    "Bring photographs to one exposure and white balance, estimated where they show "
                    "the same triangles: where they need it (auto), never, or always."},
@@ -91,6 +115,7 @@ struct ResampleResult {
   int unseen_triangles = 0;          ///< no photograph shows enough of them (min_data_share)
   double saturated_share = 0;        ///< of all samples
   double near_edge_share = 0;        ///< of all samples: estimated, for they lie near a depth edge
+  double hidden_share = 0;           ///< of all samples: estimated, for something hides them
   double seen_directions_share = 0;  ///< of the view grids' entries: inside the hull of photographs
   std::vector<std::string> photo_ids;  ///< photographs that were used
   /// As `photo_ids`: by which their linear RGB was divided; empty when none were needed.
@@ -106,7 +131,8 @@ struct ResampleResult {
 /// once for each (and once for its mask: pixels below half are no data), from several threads at
 /// the same time. Photographs are held as 4 bytes a pixel until the end (288 MB for 104 of 960 x
 /// 720), triangles only in batches of 256. Saturated values (a channel at 255) are lower bounds and
-/// imputed, and so are samples too near a depth edge (imputation.h). Pixels of float pictures that
+/// imputed, and so are samples that are hidden or too near a depth edge (imputation.h): decided for
+/// each sample by a ray where something of its triangle is hidden. Pixels of float pictures that
 /// are NaN are no data; infinite ones saturate. Where photographs differ in exposure or white
 /// balance they are brought to one (photo_gains.h). Triangles that nobody sees are written without
 /// views. The file does not depend on the number of threads.

@@ -2,7 +2,9 @@
 #include "resample/triangle_resampling.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "resample/area_sampling.h"
 #include "resample/imputation.h"
 #include "resample/view_weights.h"
 
@@ -16,16 +18,40 @@ struct Views {
   std::vector<SampledView> sampled;
 };
 
+/// Hides the samples from which the surface stands away that the photograph shows in their place:
+/// before them, or behind them where the mesh juts out over it.
+void HideOccluded(const RayScene& surface, const Pose& camera_from_world, double hidden_beyond_mm,
+                  const std::vector<Eigen::Vector3d>& points, SampledView& view) {
+  const Eigen::Vector3d eye = camera_from_world.Center();
+  for (size_t s = 0; s < points.size(); ++s) {
+    if (view.knowledge[3 * s] == Knowledge::kMissing) continue;
+    const double z = (camera_from_world * points[s]).z();
+    const auto hit = surface.Intersect(eye, points[s] - eye);  // the sample lies at distance 1
+    if (!hit || std::abs(hit->distance - 1) * z > hidden_beyond_mm) HideSample(view, s);
+  }
+}
+
 Views SampleViews(const ResampleScene& scene, const TriangleViews& candidates,
-                  const std::vector<Eigen::Vector3d>& points) {
+                  const std::vector<Eigen::Vector3d>& points, int edge_samples) {
+  const auto count = static_cast<double>(points.size());
+  const double needed = scene.options.min_data_share * count - 1e-9;
+  const double spare = scene.options.max_hidden_share * count + 1e-9;
   Views views;
-  for (const uint16_t p : candidates.photos) {
+  for (size_t i = 0; i < candidates.photos.size(); ++i) {
+    const uint16_t p = candidates.photos[i];
     const UsedPhoto& photo = scene.photos[p];
-    auto sampled = SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points);
-    const double needed = scene.options.min_data_share * static_cast<double>(points.size());
-    if (!sampled || sampled->data_samples < needed - 1e-9) continue;
+    const PhotoPixels& pixels = scene.seen[p].pixels;
+    SampledView sampled =
+        scene.options.sampling == Sampling::kEwa
+            ? SampleViewByArea(pixels, photo.camera, photo.camera_from_world, points, edge_samples)
+            : SampleView(pixels, photo.camera, photo.camera_from_world, points);
+    if (candidates.hidden_beyond_mm[i] > 0) {
+      HideOccluded(scene.surface, photo.camera_from_world, candidates.hidden_beyond_mm[i], points,
+                   sampled);
+    }
+    if (sampled.data_samples < needed || sampled.hidden_samples > spare) continue;
     views.photos.push_back(p);
-    views.sampled.push_back(std::move(*sampled));
+    views.sampled.push_back(std::move(sampled));
   }
   return views;
 }
@@ -70,7 +96,7 @@ std::vector<int> NearestKnown(const std::vector<SampledView>& views, int n) {
 
 /// What is not data, estimated from what is: from other views of the same sample, and where no view
 /// has it, from the nearest sample.
-void ImputeRest(const std::vector<SampledView>& views, int edge_samples,
+void ImputeRest(const std::vector<SampledView>& views, int edge_samples, int max_terms,
                 std::vector<uint16_t>& values) {
   const size_t rows = 3 * static_cast<size_t>(PatchSampleCount(edge_samples));
   const auto count = static_cast<Eigen::Index>(views.size());
@@ -85,7 +111,7 @@ void ImputeRest(const std::vector<SampledView>& views, int edge_samples,
       matrix.knowledge(row, v) = view.knowledge[static_cast<size_t>(row)];
     }
   }
-  const Eigen::MatrixXf imputed = Impute(matrix, kCeiling);
+  const Eigen::MatrixXf imputed = Impute(matrix, kCeiling, max_terms);
   const std::vector<int> nearest = NearestKnown(views, edge_samples);
   for (Eigen::Index row = 0; row < imputed.rows(); ++row) {
     const Eigen::Index from = 3 * nearest[static_cast<size_t>(row / 3)] + row % 3;
@@ -134,6 +160,7 @@ std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_
     for (const VisibleTriangle& visible : seen[p].triangles) {
       TriangleViews& of_triangle = views[static_cast<size_t>(visible.triangle)];
       of_triangle.photos.push_back(static_cast<uint16_t>(p));
+      of_triangle.hidden_beyond_mm.push_back(visible.hidden_beyond_mm);
       of_triangle.largest_px = std::max(of_triangle.largest_px, visible.area_px);
     }
   }
@@ -148,15 +175,16 @@ ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
   const std::vector<Eigen::Vector3d> points =
       PatchPoints(scene.mesh, triangle, record.edge_samples, scene.options.sample_on, scene.surface,
                   scene.max_shift_mm);
-  const Views views = SampleViews(scene, candidates, points);
+  const Views views = SampleViews(scene, candidates, points, record.edge_samples);
   if (views.photos.empty()) return result;
   record.photos = views.photos;
   record.values = Interleave(views.sampled, 3 * points.size());
   result.samples = static_cast<int64_t>(points.size() * views.photos.size());
   result.saturated = CountSamples(views.sampled, Knowledge::kLowerBound);
   result.missing = CountSamples(views.sampled, Knowledge::kMissing);
+  for (const SampledView& view : views.sampled) result.hidden += view.hidden_samples;
   if (result.saturated + result.missing > 0) {
-    ImputeRest(views.sampled, record.edge_samples, record.values);
+    ImputeRest(views.sampled, record.edge_samples, scene.options.impute_terms, record.values);
   }
   WeighViews(scene, triangle, result);
   return result;

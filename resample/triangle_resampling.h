@@ -24,8 +24,9 @@ struct ResampleScene {
 
 /// The photographs that show one triangle, and its area in the one where it is largest.
 struct TriangleViews {
-  std::vector<uint16_t> photos;  ///< ascending
-  double largest_px = 0;
+  std::vector<uint16_t> photos;          ///< ascending
+  std::vector<double> hidden_beyond_mm;  ///< as `photos`: of VisibleTriangle
+  double largest_px = 0;                 ///< what is hidden not counted
 };
 /// The lists of SeenPhoto, by triangle.
 std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_t triangle_count);
@@ -34,12 +35,13 @@ struct ResampledTriangle {
   LightFieldWriter::Triangle record;
   int64_t samples = 0;       ///< of all views
   int64_t saturated = 0;     ///< of these: a channel is saturated
-  int64_t missing = 0;       ///< of these: too near a depth edge
+  int64_t missing = 0;       ///< of these: hidden, or too near a depth edge
+  int64_t hidden = 0;        ///< of the missing
   int64_t seen_entries = 0;  ///< of the three corners' view grids
 };
 /// Samples a triangle's views, imputes what is no data, and weighs the views at its three corners.
-/// A view that cannot be sampled at every point of the patch, or holds too little data, is left
-/// out.
+/// A view of which too many samples are hidden, or too few are data, is left out
+/// (ResampleOptions).
 ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
                                    const TriangleViews& views);
 

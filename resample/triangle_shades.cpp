@@ -38,11 +38,12 @@ TriangleShades ShadesOf(const ResampleScene& scene, int triangle, const Triangle
       PatchPoints(scene.mesh, triangle, kEdgeSamples, scene.options.sample_on, scene.surface,
                   scene.max_shift_mm);
   TriangleShades shades;
-  for (const uint16_t p : views.photos) {
+  for (size_t i = 0; i < views.photos.size(); ++i) {
+    if (views.hidden_beyond_mm[i] > 0) continue;  // parts of it show something else
+    const uint16_t p = views.photos[i];
     const UsedPhoto& photo = scene.photos[p];
-    const auto view =
-        SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points);
-    const auto radiance = view ? MeanRadiance(*view) : std::nullopt;
+    const auto radiance = MeanRadiance(
+        SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points));
     if (!radiance) continue;
     const Eigen::Vector3d to_eye = (photo.camera_from_world.Center() - centroid).normalized();
     shades.photos.push_back(p);
@@ -58,7 +59,9 @@ std::vector<TriangleShades> MeasureShades(const ResampleScene& scene,
                                           const std::vector<TriangleViews>& views) {
   std::vector<int> seen;
   for (size_t t = 0; t < views.size(); ++t) {
-    if (views[t].photos.size() >= kLeastViews) seen.push_back(static_cast<int>(t));
+    const auto& hidden = views[t].hidden_beyond_mm;
+    const auto in_sight = static_cast<size_t>(std::count(hidden.begin(), hidden.end(), 0.0));
+    if (in_sight >= kLeastViews) seen.push_back(static_cast<int>(t));
   }
   const size_t count = std::min(kMostTriangles, seen.size());
   std::vector<TriangleShades> shades(count);

@@ -105,8 +105,9 @@ std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
       ApplyMask(load_image(photo.mask), photo.mask, photo.camera, sight.usable);
     }
     SeenPhoto& result = seen[static_cast<size_t>(p)];
-    result.triangles = FindVisibleTriangles(mesh, deviations_mm, sight,
-                                            {options.max_grazing_deg, options.min_data_share});
+    result.triangles = FindVisibleTriangles(
+        mesh, deviations_mm, sight,
+        {options.max_grazing_deg, options.min_data_share, options.max_hidden_share});
     result.pixels = MakePhotoPixels(picture, sight.usable, photo.camera, photo.file);
     progress.Advance();
   });

@@ -61,27 +61,32 @@ PointSight SeePoint(const PhotoSight& sight, const Eigen::Vector3d& point, doubl
   return std::abs(difference) <= tolerance_mm ? PointSight::kData : PointSight::kHidden;
 }
 
-/// Every point of a triangular grid whose steps are at most one pixel: none hidden, enough data.
-bool ShowsTriangle(const PhotoSight& sight, const Corners& corners, double longest_edge_px,
-                   double tolerance_mm, double min_data_share) {
-  for (const Eigen::Vector3d& corner : corners) {
-    if (SeePoint(sight, corner, tolerance_mm) == PointSight::kHidden) return false;
-  }
+/// The share of a triangle's points that is hidden, over a triangular grid whose steps are at most
+/// one pixel. No answer when too many are, or too few are data.
+std::optional<double> HiddenShare(const PhotoSight& sight, const Corners& corners,
+                                  double longest_edge_px, double tolerance_mm,
+                                  const VisibilityRule& rule) {
+  const auto is_hidden = [&](const Eigen::Vector3d& point) {
+    return SeePoint(sight, point, tolerance_mm) == PointSight::kHidden;
+  };
+  const bool all_of_it = rule.max_hidden_share == 0;  // then most that are not used fail here
+  if (all_of_it && std::any_of(corners.begin(), corners.end(), is_hidden)) return std::nullopt;
   const int steps = std::max(1, static_cast<int>(std::ceil(longest_edge_px)));
   const double points = 0.5 * (steps + 1) * (steps + 2);
-  const double spare_points = (1 - min_data_share) * points + 1e-9;
-  double near_edges = 0;
+  const double spare_points = (1 - rule.min_data_share) * points + 1e-9;
+  const double spare_hidden = rule.max_hidden_share * points + 1e-9;
+  double no_data = 0, hidden = 0;
   for (int j = 0; j <= steps; ++j) {
     for (int i = 0; i + j <= steps; ++i) {
       const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps;
       const Eigen::Vector3d point = (1 - u - v) * corners[0] + u * corners[1] + v * corners[2];
       const PointSight seen = SeePoint(sight, point, tolerance_mm);
-      if (seen == PointSight::kHidden) return false;
-      near_edges += seen == PointSight::kNearEdge ? 1 : 0;
-      if (near_edges > spare_points) return false;
+      no_data += seen == PointSight::kData ? 0 : 1;
+      hidden += seen == PointSight::kHidden ? 1 : 0;
+      if (no_data > spare_points || hidden > spare_hidden) return std::nullopt;
     }
   }
-  return true;
+  return hidden / points;
 }
 
 /// Cosine of the angle between the triangle's normal and the direction to the camera, in the
@@ -147,9 +152,14 @@ std::vector<VisibleTriangle> FindVisibleTriangles(const TriangleMesh& mesh,
     const double longest = std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
     const double depth = std::max({corners[0].z(), corners[1].z(), corners[2].z()});
     const double slope = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine;
-    const double tolerance = pixel_per_mm * depth * (1 + slope) + 2 * deviations_mm[t] / cosine;
-    if (!ShowsTriangle(sight, corners, longest, tolerance, rule.min_data_share)) continue;
-    visible.push_back({static_cast<int>(t), std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / 2});
+    const double pixel_mm = pixel_per_mm * depth, deviation_mm = 2 * deviations_mm[t] / cosine;
+    const auto hidden =
+        HiddenShare(sight, corners, longest, pixel_mm * (1 + slope) + deviation_mm, rule);
+    if (!hidden) continue;
+    // A ray through a point meets that point: there the slope over one pixel does not matter.
+    visible.push_back({static_cast<int>(t),
+                       (1 - *hidden) * std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / 2,
+                       *hidden > 0 ? pixel_mm + deviation_mm : 0});
   }
   return visible;
 }

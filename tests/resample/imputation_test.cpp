@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace lfm {
 namespace {
@@ -97,6 +98,27 @@ TEST(Impute, FillsGapsFromTheOtherViews) {
       }
     }
   }
+}
+
+TEST(Impute, FitsAsManyTermsAsAreAskedFor) {
+  // A second highlight elsewhere: three terms in all.
+  Eigen::MatrixXf truth = HighlightTruth(93, 30, 13, 0.5F);
+  for (int r = 0; r < 93; ++r) {
+    for (int v = 0; v < 30; ++v) {
+      truth(r, v) += 0.3F * static_cast<float>(r % 7) / 7 * std::exp(-0.1F * (v - 22) * (v - 22));
+    }
+  }
+  PartialMatrix matrix{truth, Kinds::Constant(93, 30, Knowledge::kData)};
+  for (int v = 0; v < 30; v += 2) {
+    for (int r = 0; r < 40; ++r) matrix.knowledge((r + 7 * v) % 93, v) = Knowledge::kMissing;
+  }
+  const Mask gaps = (matrix.knowledge.array() == Knowledge::kMissing).matrix();
+  std::vector<double> errors;
+  for (const int terms : {1, 2, 3}) {
+    errors.push_back(RmsOver(gaps, Impute(matrix, 2, terms) - truth));
+  }
+  EXPECT_LT(errors[1], 0.7 * errors[0]);
+  EXPECT_LT(errors[2], 0.3 * errors[1]);
 }
 
 TEST(Impute, FillsGapsOfFewViewsBySeparableShade) {

@@ -53,37 +53,46 @@ TEST(SampleView, PutsPixelCentresAtIntegers) {
         Eigen::Vector2d(18.99, 14.98), Eigen::Vector2d(18.9, 14.2)}) {
     const Eigen::Vector3d point = 300 * Unproject(camera, pixel);
     const auto view = SampleView(photo, camera, Pose{}, {point});
-    ASSERT_TRUE(view) << pixel.transpose();
-    EXPECT_NEAR(view->values[0], Stored(10 * pixel.x()), 1) << pixel.transpose();
-    EXPECT_NEAR(view->values[1], Stored(10 * pixel.y()), 1);
-    EXPECT_EQ(view->values[2], 0);
+    ASSERT_EQ(view.data_samples, 1) << pixel.transpose();
+    EXPECT_NEAR(view.values[0], Stored(10 * pixel.x()), 1) << pixel.transpose();
+    EXPECT_NEAR(view.values[1], Stored(10 * pixel.y()), 1);
+    EXPECT_EQ(view.values[2], 0);
   }
 }
 
-TEST(SampleView, RefusesWhatIsOutsideOrNoData) {
+TEST(SampleView, HidesWhatIsOutsideOrForbidden) {
   const Camera camera = PlainCamera(20, 16);
   PhotoPixels photo = PixelsOf(Ramp(20, 16), camera);
-  const auto at = [&](double x, double y) {
-    return SampleView(photo, camera, Pose{},
-                      {300 * Unproject(camera, {5, 5}), 300 * Unproject(camera, {x, y})});
+  const auto see = [&](const Eigen::Vector3d& point) {
+    return SampleView(photo, camera, Pose{}, {300 * Unproject(camera, {5, 5}), point});
   };
-  EXPECT_TRUE(at(10, 10));
-  EXPECT_FALSE(at(-0.01, 5));
-  EXPECT_FALSE(at(5, 15.01));
-  EXPECT_FALSE(SampleView(photo, camera, Pose{}, {Eigen::Vector3d(0, 0, -300)}));
+  const auto at = [&](double x, double y) { return see(300 * Unproject(camera, {x, y})); };
+  const auto is_hidden = [](const SampledView& view) {
+    EXPECT_EQ(view.data_samples + view.hidden_samples, 2);
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_EQ(view.knowledge[c], Knowledge::kData);
+      const auto kept = view.hidden_samples == 0 ? Knowledge::kData : Knowledge::kMissing;
+      EXPECT_EQ(view.knowledge[3 + c], kept);
+    }
+    return view.hidden_samples == 1;
+  };
+  EXPECT_FALSE(is_hidden(at(10, 10)));
+  EXPECT_TRUE(is_hidden(at(-0.01, 5)));
+  EXPECT_TRUE(is_hidden(at(5, 15.01)));
+  EXPECT_TRUE(is_hidden(see({0, 0, -300})));
   uint8_t& use = photo.rgbu[4 * (10 * 20 + 10) + 3];  // of pixel (10, 10)
   use = static_cast<uint8_t>(PixelUse::kForbidden);
-  EXPECT_FALSE(at(10, 10));
-  EXPECT_FALSE(at(9.5, 10.5));
-  EXPECT_TRUE(at(9, 10));  // its neighbour is not read at weight zero
-  EXPECT_FALSE(at(9.01, 10));
+  EXPECT_TRUE(is_hidden(at(10, 10)));
+  EXPECT_TRUE(is_hidden(at(9.5, 10.5)));
+  EXPECT_FALSE(is_hidden(at(9, 10)));  // its neighbour is not read at weight zero
+  EXPECT_TRUE(is_hidden(at(9.01, 10)));
   use = static_cast<uint8_t>(PixelUse::kNearEdge);
-  const auto view = at(9.5, 10.5);
-  ASSERT_TRUE(view);
-  EXPECT_EQ(view->data_samples, 1);
+  const SampledView view = at(9.5, 10.5);
+  EXPECT_EQ(view.data_samples, 1);
+  EXPECT_EQ(view.hidden_samples, 0);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_EQ(view->knowledge[c], Knowledge::kData);
-    EXPECT_EQ(view->knowledge[3 + c], Knowledge::kMissing);
+    EXPECT_EQ(view.knowledge[c], Knowledge::kData);
+    EXPECT_EQ(view.knowledge[3 + c], Knowledge::kMissing);
   }
 }
 
@@ -94,11 +103,10 @@ TEST(SampleView, MarksSaturatedChannels) {
   const auto view = SampleView(PixelsOf(picture, camera), camera, Pose{},
                                {300 * Unproject(camera, {7.5, 8}), 300 * Unproject(camera, {6, 8}),
                                 300 * Unproject(camera, {8, 8})});
-  ASSERT_TRUE(view);
   const auto data = Knowledge::kData, bound = Knowledge::kLowerBound;
-  EXPECT_EQ(view->knowledge,
+  EXPECT_EQ(view.knowledge,
             (std::vector<Knowledge>{data, bound, data, data, data, data, data, bound, data}));
-  EXPECT_NEAR(view->values[1], Stored((80 + 255) / 2.0), 1);
+  EXPECT_NEAR(view.values[1], Stored((80 + 255) / 2.0), 1);
 }
 
 TEST(SampleView, ReadsAKnownFunctionOfWorldPosition) {
@@ -118,11 +126,11 @@ TEST(SampleView, ReadsAKnownFunctionOfWorldPosition) {
     if (TriangleNormal(sphere, t).dot(to_eye.normalized()) < 0.5) continue;
     const auto points = PatchPoints(sphere, t, 5, SampleOn::kMesh, scene, 1);
     const auto view = SampleView(photo, camera, pose, points);
-    ASSERT_TRUE(view);
+    ASSERT_EQ(view.data_samples, static_cast<int>(points.size()));
     for (size_t s = 0; s < points.size(); ++s) {
       for (int c = 0; c < 3; ++c) {
         // One level of rounding, and a little for the curvature between two pixels.
-        EXPECT_NEAR(view->values[3 * s + c], Stored(255 * color(points[s])[c]), Stored(0.8));
+        EXPECT_NEAR(view.values[3 * s + c], Stored(255 * color(points[s])[c]), Stored(0.8));
       }
     }
     ++checked;

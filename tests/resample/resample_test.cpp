@@ -34,6 +34,14 @@ ResampleOptions SmallOptions() {
   return options;
 }
 
+/// Only triangles wholly in sight, and half of their samples data.
+ResampleOptions WholeTriangles() {
+  ResampleOptions options = SmallOptions();
+  options.max_hidden_share = 0;
+  options.min_data_share = 0.5;
+  return options;
+}
+
 ResampleResult ResampleSphere(const test::MemoryCapture& made, const ResampleOptions& options,
                               const std::filesystem::path& file) {
   return Resample(made.capture, made.calib, test::Sphere({0, 0, 0}, kRadius, 5),
@@ -139,8 +147,8 @@ TEST(Resample, LetsNoBackgroundBleedIn) {
       for (size_t i = 0; i < patch.values.size(); ++i) {
         const size_t channel = i / patch.photos.size() % 3;
         const double value = double(patch.values[i]) / LightField::kOne;
-        // What is estimated near edges is drawn to zero a little; no magenta may be in it.
-        ASSERT_NEAR(value, channel == 1 ? 0.8 : 0, channel == 1 ? 0.01 : 0.001) << "triangle " << t;
+        // Estimates are drawn to zero a little where a tenth is known; no magenta may be in it.
+        ASSERT_NEAR(value, channel == 1 ? 0.8 : 0, channel == 1 ? 0.04 : 0.001) << "triangle " << t;
       }
     }
   }
@@ -205,7 +213,7 @@ TEST(Resample, TakesMaskedPixelsForNoData) {
   made.pictures["mask.png"] = mask;
   made.capture.photos[2].mask = "mask.png";
   const auto file = test::TestFolder("mask") / "light_field.lfs";
-  ResampleSphere(made, SmallOptions(), file);
+  ResampleSphere(made, WholeTriangles(), file);
   const LightField field = LightField::Open(file);
   int seen = 0;
   for (int t = 0; t < field.triangle_count(); ++t) {
@@ -236,7 +244,7 @@ TEST(Resample, TakesPixelsThatAreNoNumbersForNoData) {
   }
   made.pictures[made.capture.photos[2].file] = picture;
   const auto file = test::TestFolder("no_number") / "light_field.lfs";
-  const ResampleResult result = ResampleSphere(made, SmallOptions(), file);
+  const ResampleResult result = ResampleSphere(made, WholeTriangles(), file);
   EXPECT_GT(result.saturated_share, 0);
   const LightField field = LightField::Open(file);
   int seen = 0;

@@ -5,10 +5,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/pixel_directions.h"
+#include "resample/light_field.h"
 #include "test_scenes.h"
 
 namespace lfm {
@@ -201,6 +204,73 @@ TEST(Visibility, TakesUnoccludedTrianglesNearEdgesWhenEnoughOfThemIsData) {
   // What is added lies near an edge, but nothing lies in front of it: each of its points, as a ray
   // in double precision, meets it first (to the slope of a facet over half a pixel).
   for (const int t : half) EXPECT_TRUE(BruteForceClear(mesh, camera, pose, t, 0, 2.5)) << t;
+}
+
+/// Share of a triangle's points whose rays meet something else first, by `tolerance_mm` in depth.
+double HiddenShare(const TriangleMesh& mesh, const Pose& pose, int triangle, double tolerance_mm) {
+  constexpr int kSteps = 16;
+  const Eigen::Vector3i& t = mesh.triangles[triangle];
+  int hidden = 0, points = 0;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i + j <= kSteps; ++i, ++points) {
+      const Eigen::Vector3d ray = PatchSampleWeights(kSteps + 1, i, j)[0] * mesh.vertices[t[0]] +
+                                  PatchSampleWeights(kSteps + 1, i, j)[1] * mesh.vertices[t[1]] +
+                                  PatchSampleWeights(kSteps + 1, i, j)[2] * mesh.vertices[t[2]] -
+                                  pose.Center();
+      const double first = FirstHit(mesh, pose.Center(), ray.normalized());
+      hidden += ray.norm() - first > tolerance_mm ? 1 : 0;
+    }
+  }
+  return static_cast<double>(hidden) / points;
+}
+
+TEST(Visibility, FindsPartlyHiddenTrianglesAsBruteForceDoes) {
+  const TriangleMesh mesh = test::Torus(50, 18, 24, 10);
+  const Camera camera = test::TestCamera(640, 480, 840);
+  const Pose pose = LookAt({240, 30, 90}, {0, 0, 0}, {0, 0, 1});
+  constexpr double kMaxHidden = 0.7, kGrazing_deg = 75, kTolerance_mm = 3;
+  constexpr double kBand = 0.12;  // one pixel beside an edge, of triangles thirty pixels long
+  const auto deviations = TriangleDeviations(mesh, RayScene(mesh));
+  const PhotoSight sight = SightOf(mesh, camera, pose, 1.5);
+  std::map<int, VisibleTriangle> found;
+  for (const auto& visible :
+       FindVisibleTriangles(mesh, deviations, sight, {kGrazing_deg, 0.1, kMaxHidden})) {
+    found[visible.triangle] = visible;
+  }
+  std::set<int> whole;
+  for (const auto& visible : FindVisibleTriangles(mesh, deviations, sight, {kGrazing_deg, 0.1})) {
+    EXPECT_EQ(visible.hidden_beyond_mm, 0);
+    whole.insert(visible.triangle);
+  }
+  int cut = 0, mostly_hidden = 0;
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+    if (FacingDegrees(mesh, pose, t) > kGrazing_deg) {
+      EXPECT_FALSE(found.contains(t));
+      continue;
+    }
+    const double share = HiddenShare(mesh, pose, t, kTolerance_mm);
+    if (share > kMaxHidden + kBand) {
+      EXPECT_FALSE(found.contains(t)) << t << " hidden " << share;
+      ++mostly_hidden;
+    }
+    if (share > 0.02 && share < kMaxHidden - kBand) {
+      ASSERT_TRUE(found.contains(t)) << t << " hidden " << share;
+      EXPECT_FALSE(whole.contains(t)) << t << " hidden " << share;
+      EXPECT_GT(found[t].hidden_beyond_mm, 0) << share;
+      ++cut;
+    }
+    if (!found.contains(t)) continue;
+    EXPECT_EQ(found[t].hidden_beyond_mm == 0, whole.contains(t)) << t;
+    std::array<Eigen::Vector2d, 3> at;
+    for (size_t c = 0; c < 3; ++c) {
+      at[c] = *Project(camera, pose * mesh.vertices[mesh.triangles[t][static_cast<int>(c)]]);
+    }
+    const Eigen::Vector2d e1 = at[1] - at[0], e2 = at[2] - at[0];
+    const double area = std::abs(e1.x() * e2.y() - e1.y() * e2.x()) / 2;
+    EXPECT_NEAR(found[t].area_px / area, 1 - share, kBand) << t;
+  }
+  EXPECT_GT(cut, 5);
+  EXPECT_GE(mostly_hidden, 3);
 }
 
 TEST(Visibility, ReportsTheAreaInPixels) {
