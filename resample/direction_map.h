@@ -10,12 +10,12 @@ namespace lfm {
 
 /// How directions above a vertex are laid out on the square [0, 1]^2 of a view map.
 enum class DirectionMap {
-  /// Corner-aligned texels, even at grazing angles. With
+  /// Default: corner-aligned texels, even at grazing angles. With
   /// p = (d.x, d.y) / (|d.x| + |d.y| + d.z): x = (p.x + p.y + 1) / 2, y = (p.x - p.y + 1) / 2
   /// (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors").
   kHemiOctahedral,
   kOrthographic,  ///< the paper's disc: x = (d.x + 1) / 2, y = (d.y + 1) / 2 (Equation 7)
-  /// Default: the same with a skirt. Triangles are seen from below their vertices' horizons where
+  /// The same with a skirt. Triangles are seen from below their vertices' horizons where
   /// the surface is curved, so that maps reach down to z = -kSkirt:
   /// p = (d.x, d.y) / (|d.x| + |d.y| + (d.z + kSkirt) / (1 + kSkirt)). In the middle texels lie as
   /// close as without.

@@ -37,7 +37,7 @@ enum class PhotoGainUse {
 
 struct ResampleOptions {
   int view_grid = 16;
-  DirectionMap direction_map = DirectionMap::kHemiOctahedralSkirt;
+  DirectionMap direction_map = DirectionMap::kHemiOctahedral;
   double max_grazing_deg = 83;
   double depth_margin_px = 1.5;
   double min_data_share = 0.1;
