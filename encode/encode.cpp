@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "encode/guessed_directions.h"
 #include "encode/gutters.h"
 #include "encode/mean_view.h"
 #include "encode/model_error.h"
@@ -274,7 +275,11 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
     result.transport =
         EncodeTransport(result.model, {options.transport_db, options.geometry_error});
   }
-  if (options.compression.WantsAnything()) Compress(source, options, progress, result);
+  if (options.compression.WantsAnything()) {
+    Compress(source, options, progress, result);
+  } else {  // beside codebooks the masks would be a large part of the file
+    result.model.guessed = FindGuessedDirections(source);
+  }
   return result;
 }
 

@@ -262,6 +262,10 @@ void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbB
     extension["viewRanges"] = builder.AddAccessor(PackedRanges(model.view_ranges),
                                                   GltfComponent::kFloat32, GltfShape::kVec2);
   }
+  if (!model.guessed.empty()) {
+    extension["guessedDirections"] =
+        builder.AddAccessor(model.guessed, GltfComponent::kUint8, GltfShape::kScalar);
+  }
   builder.json["extensions"][glb::kExtension] = extension;
   builder.json["extensionsUsed"] = {"KHR_materials_unlit", glb::kExtension};
 }

@@ -16,6 +16,7 @@
 #include "encode/glb_document.h"
 #include "encode/glb_format.h"
 #include "encode/glb_places.h"
+#include "encode/guessed_directions.h"
 #include "encode/png_header.h"
 
 namespace lfm {
@@ -168,6 +169,13 @@ void ReadViewLayout(const Document& doc, const json& extension, LightFieldModel&
       static_cast<int>(Integer(doc, extension, "viewTilesPerPage", 1, kAnyIndex));
 }
 
+void ReadGuessedDirections(const Document& doc, const json& extension, LightFieldModel& model) {
+  if (!extension.contains("guessedDirections")) return;
+  const size_t bytes = GuessedBytes(model.grid) * model.mesh.vertices.size();
+  model.guessed = Accessor<uint8_t>(doc, extension, "guessedDirections", GltfComponent::kUint8,
+                                    GltfShape::kScalar, static_cast<int64_t>(bytes));
+}
+
 void DecodePages(const Document& doc, const PendingPages& pending, LightFieldModel& model) {
   struct Job {
     const PendingPage* from;
@@ -220,6 +228,7 @@ LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
   CheckTexels(doc, pages);
   glb::ReadPlaces(doc, extension, model);
   ReadViewLayout(doc, extension, model);
+  ReadGuessedDirections(doc, extension, model);
   if (extension.contains("blocks")) {
     glb::ReadBlocks(doc, extension["blocks"], kMaxTexels, model);
   } else {

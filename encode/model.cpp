@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "encode/guessed_directions.h"
 #include "encode/tiling.h"
 
 namespace lfm {
@@ -114,6 +115,8 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
   }
   require(rgb, "its pages are not 8-bit RGB");
   require(BlocksFit(model), "its blocks do not fit its pages");
+  require(model.guessed.empty() || model.guessed.size() == vertices * GuessedBytes(model.grid),
+          "its guessed directions do not fit its view maps");
   for (size_t v = 0; v < vertices; ++v) {
     const int own = model.vertex_terms[v];
     require(own >= 0 && own <= model.terms, "a vertex has more terms than the model");
@@ -133,6 +136,11 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
     }
     require(inside, "a patch does not lie inside its page");
   }
+}
+
+bool LightFieldModel::IsGuessed(int vertex, int q) const {
+  if (guessed.empty()) return false;
+  return (guessed[GuessedBytes(grid) * vertex + q / 8] >> q % 8 & 1) != 0;
 }
 
 int64_t LightFieldModel::MapsBytes() const {

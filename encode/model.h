@@ -62,6 +62,10 @@ struct LightFieldModel {
   /// samples on shared edges stay equal.
   std::vector<MapRange> surface_ranges, view_ranges;
   int view_tiles_per_row = 0, view_tiles_per_page = 0;
+  /// Directions that no photograph of the triangles around the vertex covers: what the view maps
+  /// hold there is an extrapolation (FindGuessedDirections). GuessedBytes(grid) bytes a vertex,
+  /// texel q of its view map (rows from the top) in bit q % 8 of byte q / 8. Empty when not known.
+  std::vector<uint8_t> guessed;
 
   /// Vector quantisation (Chen 2002, Section 5), K lists each, or empty without it:
   /// `surface_placements[k][t]` is where triangle t's surface maps of term k lie,
@@ -79,6 +83,9 @@ struct LightFieldModel {
   Blocks blocks;
   /// How many planes the blocks of surface pages have: 1 (BC1) or 3 (BC4).
   int SurfacePlanes() const;
+
+  /// Whether texel `q` of the vertex's view maps is marked as guessed; no when that is not known.
+  bool IsGuessed(int vertex, int q) const;
 
   const PatchPlacement& SurfacePlacement(int term, int triangle) const {
     return surface_placements.empty() ? placements[triangle] : surface_placements[term][triangle];
