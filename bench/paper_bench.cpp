@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <string>
 
-#include "bench/line_chart.h"
 #include "bench/paper_object.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
