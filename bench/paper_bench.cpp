@@ -11,6 +11,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/image.h"
+#include "core/line_chart.h"
 #include "encode/encode.h"
 
 namespace lfm {
