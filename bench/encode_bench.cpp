@@ -172,6 +172,8 @@ void FactoredNmf(benchmark::State& state) {
   const LinearMap map = ScaledMap(w.whole, w.plain_scale);
   NmfResult result;
   for (auto _ : state) result = ComputeNmf(map, {.terms = kTerms});
+  state.counters["inside"] = result.iterations;
+  state.counters["exact"] = result.exact_iterations;
   SayHowGood(state, w.dense_whole, result);
 }
 

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <string>
 
-#include "bench/line_chart.h"
 #include "bench/paper_object.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/image.h"
+#include "core/line_chart.h"
 #include "encode/encode.h"
 
 namespace lfm {

@@ -150,6 +150,10 @@ std::string CommandLine::State::ConfigFile() const {
   return config->count() > 0 ? config->as<std::string>() : "";
 }
 
+bool CommandLine::Given(const std::string& option) const {
+  return state_->app.get_option("--" + option)->count() > 0;
+}
+
 int CommandLine::State::Parse(int argc, char** argv, bool& go_on) {
   go_on = false;
   const auto in_file = [&](const std::string& what) {

@@ -28,6 +28,10 @@ class CommandLine {
   /// presets look at one option before the others get their defaults. Faults are left to Run.
   void Peek(int argc, char** argv);
 
+  /// Whether the option, named without "--", stood among the arguments or in the config file, with
+  /// whatever value. Meant for the body that Run runs; no option of that name is a mistake of ours.
+  bool Given(const std::string& option) const;
+
   /// Parses, installs signal handlers, runs `body`, and turns exceptions into one line on stderr
   /// ("lfm-scan: error: ...") and the exit status: 0; 2 for bad input or usage; 1 for our own
   /// failure or a full disk; 130 when interrupted. Also used for --help and --version (status 0).

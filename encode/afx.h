@@ -22,23 +22,16 @@ enum class AfxViewMaps {
   kAsTheyAre  ///< kept, and named in a field that AFX does not have: only our reader shows them
 };
 
-struct AfxOptions {
-  AfxViewMaps view_maps = AfxViewMaps::kDisc;
-  /// AFX has one scale and bias for all maps of a light map: a term may be split into several, each
-  /// with vertices whose maps take similar values. 1 (a light map a term, as in the paper) to 16.
-  int light_maps_per_term = 1;
-};
-
-/// The model that an AFX file of `model` holds: each light map of a term has one range for the
+/// The model that an AFX file of `model` holds: each term is one light map, with one range for the
 /// surface and view maps of all its vertices, view maps are on the disc (unless kAsTheyAre),
 /// triangles are in the order of their pages, coordinates and frames are float32, pages laid out
 /// anew on sides no longer than the longest of `model`'s. Codes on shared edges stay equal.
 ///
-/// A model that is of this form already keeps its maps, however many light maps are asked for:
-/// AfxForm(AfxForm(m)) is AfxForm(m), so that writing what was read gives the same bytes. Throws
-/// Error for nonnegative terms that hold the mean view (AFX would add it twice), models with
-/// codebooks, and those that are not consistent.
-LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options);
+/// A model that is of this form already keeps its maps, also one of a file that has several light
+/// maps a term: AfxForm(AfxForm(m)) is AfxForm(m), so that writing what was read gives the same
+/// bytes. Throws Error for nonnegative terms that hold the mean view (AFX would add it twice),
+/// models with codebooks, and those that are not consistent.
+LightFieldModel AfxForm(const LightFieldModel& model, AfxViewMaps view_maps);
 
 /// A file and its pictures.
 struct AfxFiles {

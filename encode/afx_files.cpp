@@ -5,34 +5,22 @@
 
 #include "core/atomic_file.h"
 #include "encode/afx.h"
+#include "encode/afx_pictures.h"
 
 namespace lfm {
 namespace {
 
 constexpr const char* kFile = "model.wrl";
-constexpr const char* kFolder = "model_afx";
-
-// Whether a name is one that WriteAfxForm gives: mean-, surface- or view-, and twelve digits of a
-// hash at the end.
-bool IsOurPicture(const std::string& name) {
-  constexpr size_t kHash = 12;
-  constexpr std::string_view kEnding = ".png";
-  if (name.size() < kHash + 1 + kEnding.size() || !name.ends_with(kEnding)) return false;
-  const size_t hash = name.size() - kEnding.size() - kHash;
-  const bool hashed =
-      name[hash - 1] == '-' && name.find_first_not_of("0123456789abcdef", hash) == hash + kHash;
-  return hashed &&
-         (name.starts_with("mean-") || name.starts_with("surface-") || name.starts_with("view-"));
-}
+using afx::kPictureFolder;
 
 // Removes our pictures but for those named, nothing of anybody else's; what cannot go does no harm.
 void RemoveOthers(const std::filesystem::path& folder, const std::set<std::string>& names) {
   std::error_code ignored;
   std::vector<std::filesystem::path> others;
-  if (std::filesystem::is_symlink(folder / kFolder, ignored)) return;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / kFolder, ignored)) {
+  if (std::filesystem::is_symlink(folder / kPictureFolder, ignored)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / kPictureFolder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (IsOurPicture(name) && !names.contains(std::string(kFolder) + "/" + name)) {
+    if (afx::IsPictureFile(name) && !names.contains(std::string(kPictureFolder) + "/" + name)) {
       others.push_back(entry.path());
     }
   }
@@ -59,8 +47,8 @@ void RemoveAfx(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove(folder / kFile, ignored);
   RemoveOthers(folder, {});
-  if (std::filesystem::is_symlink(folder / kFolder, ignored)) return;
-  std::filesystem::remove(folder / kFolder, ignored);  // when it is empty
+  if (std::filesystem::is_symlink(folder / kPictureFolder, ignored)) return;
+  std::filesystem::remove(folder / kPictureFolder, ignored);  // when it is empty
 }
 
 }  // namespace lfm

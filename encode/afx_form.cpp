@@ -110,7 +110,7 @@ TermMaps Quantized(const MapReader& reader, int vertex, int term, const MapRange
 
 // Every vertex's maps in ranges that vertices share.
 std::vector<std::vector<TermMaps>> SharedRangeMaps(const LightFieldModel& model,
-                                                   const MapReader& reader, int light_maps) {
+                                                   const MapReader& reader) {
   std::vector<std::vector<TermMaps>> maps(model.vertex_terms.size());
   for (int k = 0; k < model.terms; ++k) {
     std::vector<int> vertices;
@@ -120,11 +120,10 @@ std::vector<std::vector<TermMaps>> SharedRangeMaps(const LightFieldModel& model,
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<TermExtents> extents(vertices.size());
     ParallelFor(0, count, [&](int64_t i) { extents[i] = Extents(reader, vertices[i], k); });
-    const SharedRanges shared = ShareRanges(extents, light_maps);
+    const SharedRange shared = ShareRange(extents);
     ParallelFor(0, count, [&](int64_t i) {
-      const SharedScale& scale = shared.scales[i];
       maps[vertices[i]].push_back(
-          Quantized(reader, vertices[i], k, shared.ranges[scale.light_map], scale.surface));
+          Quantized(reader, vertices[i], k, shared.range, shared.surface_scales[i]));
     });
   }
   return maps;
@@ -169,11 +168,8 @@ void KeepFloats(LightFieldModel& model) {
 
 }  // namespace
 
-LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options) {
+LightFieldModel AfxForm(const LightFieldModel& model, AfxViewMaps view_maps) {
   ValidateModel(model, "the model");
-  if (options.light_maps_per_term < 1 || options.light_maps_per_term > kMostLightMapsPerTerm) {
-    throw Error("light maps per term must lie in [1, 16]");
-  }
   if (model.mean_in_terms) {
     throw Error(
         "nonnegative terms hold the mean view, which AFX would add twice; take --factorization "
@@ -184,12 +180,11 @@ LightFieldModel AfxForm(const LightFieldModel& model, const AfxOptions& options)
         "AFX is written of whole maps: leave --vq-ratio and --vq-db out, or leave --afx out");
   }
   const LightFieldModel ordered = InPageOrder(model);
-  const bool onto_disc = options.view_maps == AfxViewMaps::kDisc && model.terms > 0 &&
+  const bool onto_disc = view_maps == AfxViewMaps::kDisc && model.terms > 0 &&
                          model.direction_map != DirectionMap::kOrthographic;
   const MapReader reader(ordered, onto_disc);
-  const auto maps = !onto_disc && HasSharedRanges(ordered)
-                        ? SameMaps(ordered, reader)
-                        : SharedRangeMaps(ordered, reader, options.light_maps_per_term);
+  const auto maps = !onto_disc && HasSharedRanges(ordered) ? SameMaps(ordered, reader)
+                                                           : SharedRangeMaps(ordered, reader);
   LightFieldModel form = StableLayout(ordered);
   if (onto_disc) form.direction_map = DirectionMap::kOrthographic;
   for (size_t t = 0; t < form.placements.size(); ++t) {

@@ -7,61 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace lfm {
 namespace {
 
-constexpr size_t kMostCandidates = 256;  // places where groups may begin
-
-double NeededRange(const TermExtents& term) {
-  return std::sqrt(static_cast<double>(term.surface.max_abs()) * term.view.max_abs());
-}
-
-// The share c of equal maxima, and the error that the product then has in units of R^2.
+// The share c of equal maxima.
 double BalancedShare(const TermExtents& term) {
   return SplitAlpha(term.surface.max_abs(), term.view.max_abs()).surface;
-}
-double ErrorWeight(const TermExtents& term) {
-  const double c2 = BalancedShare(term) * BalancedShare(term);
-  return term.view_samples * term.surface_norm2 * c2 + term.surface_samples * term.view_norm2 / c2;
-}
-
-// First elements of at most `groups` runs of the descending `needed`, such that the sum over runs
-// of (first needed)^2 * (sum of weights) is least.
-std::vector<size_t> SplitRuns(const std::vector<double>& needed, const std::vector<double>& weights,
-                              int groups) {
-  const size_t count = needed.size();
-  std::vector<size_t> begins;
-  const size_t step = (count + kMostCandidates - 1) / kMostCandidates;
-  for (size_t i = 0; i < count; i += step) begins.push_back(i);
-  std::vector<double> sums(count + 1, 0.0);
-  for (size_t i = 0; i < count; ++i) sums[i + 1] = sums[i] + weights[i];
-
-  const size_t n = begins.size();
-  begins.push_back(count);
-  // least[g][i]: cost of what comes from candidate i on, with at most g + 1 runs.
-  std::vector<std::vector<double>> least(groups, std::vector<double>(n + 1, 0.0));
-  std::vector<std::vector<size_t>> next(groups, std::vector<size_t>(n + 1, n));
-  for (int g = 0; g < groups; ++g) {
-    for (size_t i = 0; i < n; ++i) {
-      const double square = needed[begins[i]] * needed[begins[i]];
-      least[g][i] = square * (sums[count] - sums[begins[i]]);
-      for (size_t j = i + 1; g > 0 && j < n; ++j) {
-        const double cost = square * (sums[begins[j]] - sums[begins[i]]) + least[g - 1][j];
-        if (cost >= least[g][i]) continue;
-        least[g][i] = cost;
-        next[g][i] = j;
-      }
-    }
-  }
-  std::vector<size_t> runs;
-  size_t i = 0;
-  for (int g = groups - 1; i < n; --g) {
-    runs.push_back(begins[i]);
-    i = next[g][i];
-  }
-  return runs;
 }
 
 Extent Scaled(const Extent& extent, double factor) {
@@ -107,35 +59,18 @@ double BestShare(const TermExtents& term, const Extent& range, double balanced) 
 
 }  // namespace
 
-SharedRanges ShareRanges(std::span<const TermExtents> terms, int light_maps) {
-  SharedRanges shared;
-  shared.scales.resize(terms.size());
+SharedRange ShareRange(std::span<const TermExtents> terms) {
+  SharedRange shared;
   if (terms.empty()) return shared;
-  std::vector<size_t> order(terms.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return NeededRange(terms[a]) > NeededRange(terms[b]);
-  });
-  std::vector<double> needed, weights;
-  for (const size_t i : order) {
-    needed.push_back(NeededRange(terms[i]));
-    weights.push_back(ErrorWeight(terms[i]));
+  Extent extent;
+  for (const TermExtents& term : terms) {
+    const Extent joined = Joined(term, SignedBalancedShare(term));
+    extent.Include(joined.low);
+    extent.Include(joined.high);
   }
-  const std::vector<size_t> runs = SplitRuns(needed, weights, light_maps);
-  for (size_t g = 0; g < runs.size(); ++g) {
-    const size_t end = g + 1 < runs.size() ? runs[g + 1] : order.size();
-    Extent extent;
-    for (size_t i = runs[g]; i < end; ++i) {
-      const Extent joined = Joined(terms[order[i]], SignedBalancedShare(terms[order[i]]));
-      extent.Include(joined.low);
-      extent.Include(joined.high);
-    }
-    shared.ranges.push_back(SurfaceRange(extent.low, extent.high));
-    for (size_t i = runs[g]; i < end; ++i) {
-      const TermExtents& term = terms[order[i]];
-      shared.scales[order[i]] = {static_cast<int>(g),
-                                 BestShare(term, extent, SignedBalancedShare(term))};
-    }
+  shared.range = SurfaceRange(extent.low, extent.high);
+  for (const TermExtents& term : terms) {
+    shared.surface_scales.push_back(BestShare(term, extent, SignedBalancedShare(term)));
   }
   return shared;
 }

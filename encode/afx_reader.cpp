@@ -18,6 +18,8 @@
 #include "encode/afx_content.h"
 #include "encode/afx_frames.h"
 #include "encode/afx_layout.h"
+#include "encode/afx_pictures.h"
+#include "encode/file_errors.h"
 #include "encode/glb_format.h"
 #include "encode/gutters.h"
 #include "encode/model_layout.h"
@@ -78,6 +80,9 @@ class Reader {
       const std::optional<PngHeader> header = ReadPngHeader(png);
       const std::string what = "picture " + vrml::Quoted(tile.name);
       if (!header) Fail(tile.line, what + " is not a PNG");
+      if (!afx::FitsItsName(tile.name, png)) {
+        Fail(tile.line, what + " is not the one written under that name: swapped, or damaged");
+      }
       if (header->bit_depth != 8 || header->channels == 0) {
         Fail(tile.line, what + " is neither 8-bit grey nor 8-bit RGB");
       }
@@ -375,8 +380,10 @@ std::filesystem::path PicturePath(const std::filesystem::path& folder, const std
 
 LightFieldModel ReadAfxText(std::string_view text, const std::string& name,
                             const AfxPictureSource& pictures, const AfxReadOptions& options) {
-  return Reader(afx::CollectContent(vrml::ParseScene(text, name), name, options), name, pictures)
-      .Read();
+  return NamingFile(name, [&] {
+    return Reader(afx::CollectContent(vrml::ParseScene(text, name), name, options), name, pictures)
+        .Read();
+  });
 }
 
 LightFieldModel ReadAfx(const std::filesystem::path& file, const AfxReadOptions& options) {

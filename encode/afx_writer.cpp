@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/hash.h"
 #include "core/parallel.h"
 #include "encode/afx.h"
 #include "encode/afx_layout.h"
+#include "encode/afx_pictures.h"
 #include "encode/afx_text.h"
 #include "encode/glb_format.h"
 #include "encode/shared_samples.h"
@@ -18,9 +18,6 @@
 
 namespace lfm {
 namespace {
-
-constexpr const char* kFolder = "model_afx";
-constexpr size_t kHashDigits = 12;
 
 // A part of a page as a picture: one channel, or all of them.
 struct Tile {
@@ -134,8 +131,8 @@ class Writer {
       picture.png = EncodePng(Picture(tiles_.list[i]), glb::kPngCompression);
       const std::string_view bytes(reinterpret_cast<const char*>(picture.png.data()),
                                    picture.png.size());
-      picture.name = std::string(kFolder) + "/" + tiles_.list[i].name + "-" +
-                     Hasher().Add(bytes).HexDigest().substr(0, kHashDigits) + ".png";
+      picture.name =
+          std::string(afx::kPictureFolder) + "/" + afx::PictureFile(tiles_.list[i].name, bytes);
     });
   }
 

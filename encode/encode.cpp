@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -201,12 +202,29 @@ void CheckOptions(const EncodeOptions& options) {
   }
 }
 
+// Codes are chosen by what they are estimated to lose; this is what was lost.
+void NoteLoss(double before_db, double after_db, const MapCompressionOptions& options,
+              Progress& progress) {
+  const double lost = std::pow(10.0, -after_db / 10) - std::pow(10.0, -before_db / 10);
+  const double lost_db = lost > 0 ? -10 * std::log10(lost) : HUGE_VAL;
+  if (lost_db >= options.vq_db) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "codebooks%s lose %.1f dB where --vq-db %g was asked for: %.1f dB of the light "
+                "field, %.1f dB before",
+                options.blocks == PageBlocks::kNone ? "" : " and blocks", lost_db, options.vq_db,
+                after_db, before_db);
+  progress.Note(text);
+}
+
 // The transport form was made before: it has its own ways.
 void Compress(const LightFieldSource& source, const EncodeOptions& options, Progress& progress,
               EncodeResult& result) {
   result.model = CompressMaps(source, result.model, options.compression,
                               {options.guessed_weight, options.max_texture_size}, progress);
-  result.matrix_psnr_db = CompareWithLightField(source, result.model).psnr_db();
+  const double before_db =
+      std::exchange(result.matrix_psnr_db, CompareWithLightField(source, result.model).psnr_db());
+  NoteLoss(before_db, result.matrix_psnr_db, options.compression, progress);
   result.maps_bytes = result.model.MapsBytes();
   result.compression_ratio =
       static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);

@@ -11,6 +11,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "encode/file_errors.h"
 #include "encode/glb.h"
 #include "encode/glb_container.h"
 #include "encode/glb_document.h"
@@ -203,22 +204,13 @@ void DecodePages(const Document& doc, const PendingPages& pending, LightFieldMod
   });
 }
 
-}  // namespace
-
-LightFieldModel ReadGlb(const std::filesystem::path& file) {
-  return ReadGlbBytes(ReadFile(file), file.string());
-}
-
-LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
-  const GlbContainer container = ParseGlb(bytes, name);
-  const Document doc{container, name};
-  doc.Require(container.json.is_object() && container.json.contains("extensions") &&
-                  container.json["extensions"].is_object() &&
-                  container.json["extensions"].contains(glb::kExtension),
+LightFieldModel ReadDocument(const Document& doc) {
+  const json& root = doc.container.json;
+  doc.Require(root.is_object() && root.contains("extensions") && root["extensions"].is_object() &&
+                  root["extensions"].contains(glb::kExtension),
               std::string("no extension ") + glb::kExtension + ": not a light field model");
-  doc.Require(!container.json.contains("extensionsRequired"),
-              "it requires extensions that are not known");
-  const json& extension = container.json["extensions"][glb::kExtension];
+  doc.Require(!root.contains("extensionsRequired"), "it requires extensions that are not known");
+  const json& extension = root["extensions"][glb::kExtension];
   Integer(doc, extension, "version", glb::kOldestVersion, glb::kVersion);
   LightFieldModel model;
   ReadMesh(doc, extension, model);
@@ -234,8 +226,21 @@ LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
   } else {
     DecodePages(doc, pages, model);
   }
-  ValidateModel(model, name);
+  ValidateModel(model, doc.file);
   return model;
+}
+
+}  // namespace
+
+LightFieldModel ReadGlb(const std::filesystem::path& file) {
+  return ReadGlbBytes(ReadFile(file), file.string());
+}
+
+LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
+  return NamingFile(name, [&] {
+    const GlbContainer container = ParseGlb(bytes, name);
+    return ReadDocument({container, name});
+  });
 }
 
 }  // namespace lfm

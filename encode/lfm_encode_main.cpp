@@ -12,6 +12,7 @@
 #include "encode/encode.h"
 #include "encode/encode_files.h"
 #include "encode/encode_pictures.h"
+#include "encode/option_effects.h"
 
 namespace {
 
@@ -21,7 +22,6 @@ enum class Afx { kOff, kDisc, kAsTheyAre };
 struct OutputOptions {
   bool pictures = false;
   Afx afx = Afx::kOff;
-  int afx_light_maps = lfm::AfxOptions{}.light_maps_per_term;
   void Declare(lfm::OptionVisitor& v) {
     v.Flag({"pictures", "Also write pictures of the maps to WORK/encode/pictures."}, pictures);
     v.Enumeration({"afx",
@@ -29,21 +29,14 @@ struct OutputOptions {
                    "model_afx. View maps are brought onto the disc that AFX has (disc), or kept "
                    "in a form that only lfm reads (as-is)."},
                   {"off", "disc", "as-is"}, afx);
-    v.Integer({"afx-light-maps",
-               "Light maps that --afx splits each term into: AFX has one scale and bias for all "
-               "maps of a light map, so more lose less.",
-               "", 1, 16},
-              afx_light_maps);
   }
 };
 
 std::string WriteAfx(const lfm::LightFieldModel& model, const OutputOptions& output,
                      const std::filesystem::path& folder) {
-  const lfm::AfxOptions options = {.view_maps = output.afx == Afx::kDisc
-                                                    ? lfm::AfxViewMaps::kDisc
-                                                    : lfm::AfxViewMaps::kAsTheyAre,
-                                   .light_maps_per_term = output.afx_light_maps};
-  const int64_t bytes = lfm::SaveAfx(lfm::WriteAfxForm(lfm::AfxForm(model, options)), folder);
+  const auto view_maps =
+      output.afx == Afx::kDisc ? lfm::AfxViewMaps::kDisc : lfm::AfxViewMaps::kAsTheyAre;
+  const int64_t bytes = lfm::SaveAfx(lfm::WriteAfxForm(lfm::AfxForm(model, view_maps)), folder);
   char text[80];
   std::snprintf(text, sizeof text, "model.wrl and its pictures %.1f MB",
                 static_cast<double>(bytes) * 1e-6);
@@ -67,14 +60,24 @@ std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
   return text;
 }
 
-// Where the photographs were taken; nothing where nobody asks or the calibration is not there.
+// Where the photographs were taken. Nothing where nobody asks, or where the calibration is not
+// there: unless mirror directions are more than the default.
 std::vector<Eigen::Vector3d> Eyes(const std::filesystem::path& calib_folder,
                                   const lfm::LightField& light_field,
-                                  const lfm::EncodeOptions& options, lfm::Progress& progress) {
-  if (options.fill == lfm::DirectionFill::kBlend) return {};
-  if (!std::filesystem::exists(calib_folder / "poses.json")) {
-    progress.Note("no " + (calib_folder / "poses.json").string() +
-                  ": directions are filled by blending alone");
+                                  const lfm::EncodeOptions& options, bool fill_given,
+                                  lfm::Progress& progress) {
+  if (options.fill == lfm::DirectionFill::kBlend ||
+      options.factorization == lfm::Factorization::kNmf) {
+    return {};
+  }
+  const std::filesystem::path poses = calib_folder / "poses.json";
+  if (!std::filesystem::exists(poses)) {
+    if (fill_given) {
+      throw lfm::Error(poses.string() +
+                       ": no such file, and --fill mirror needs it; run lfm-calib, or take --fill "
+                       "blend");
+    }
+    progress.Note("no " + poses.string() + ": directions are filled by blending alone");
     return {};
   }
   return lfm::EyesOfPhotos(lfm::LoadCalib(calib_folder), light_field.photo_ids());
@@ -97,6 +100,8 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(output), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const std::filesystem::path work = work_folder;
+    const auto given = [&command](const std::string& name) { return command.Given(name); };
+    lfm::RequireEffect(options, given);
     if (output.afx != Afx::kOff && options.factorization == lfm::Factorization::kNmf) {
       throw lfm::Error(
           "--afx: nonnegative terms hold the mean view, which AFX would add twice; take "
@@ -108,10 +113,9 @@ int main(int argc, char** argv) {
     lfm::RequireWritableFolder(work / "encode");
     const lfm::LightField light_field =
         lfm::LightField::Open(work / "resample" / "light_field.lfs");
-    const lfm::EncodeResult result =
-        lfm::Encode(lfm::SourceFromLightField(light_field,
-                                              Eyes(work / "calib", light_field, options, progress)),
-                    options, progress);
+    const lfm::LightFieldSource source = lfm::SourceFromLightField(
+        light_field, Eyes(work / "calib", light_field, options, given("fill"), progress));
+    const lfm::EncodeResult result = lfm::Encode(source, options, progress);
     const int64_t model_bytes =
         lfm::SaveEncode(result, work / "encode").at("model_bytes").get<int64_t>();
     progress.Note(Figures(result, model_bytes));

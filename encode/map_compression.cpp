@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -72,13 +74,13 @@ Groups CollectGroups(const LightFieldModel& model, const MapScales& scales,
 }
 
 std::vector<GroupChoice> ChooseForms(const LightFieldModel& model, const Groups& groups,
-                                     const MapCompressionOptions& options) {
+                                     const MapCompressionOptions& options, Progress& progress) {
   if (options.vq_db > 0) {
     double entries = 0;
     for (const PatchPlacement& placement : model.placements) {
       entries += 3.0 * PatchSampleCount(placement.edge_samples) * model.grid * model.grid;
     }
-    return ChooseForDistortion(groups.all, entries * std::pow(10.0, -options.vq_db / 10));
+    return ChooseForDistortion(groups.all, entries * std::pow(10.0, -options.vq_db / 10)).choices;
   }
   constexpr int64_t kIndexBytes = 2;
   int64_t all = 0, indices = 0;
@@ -88,7 +90,18 @@ std::vector<GroupChoice> ChooseForms(const LightFieldModel& model, const Groups&
     indices += owners * kIndexBytes;
   }
   const double budget = static_cast<double>(all) / options.vq_ratio - static_cast<double>(indices);
-  return ChooseForBytes(groups.all, std::max<int64_t>(0, static_cast<int64_t>(budget)));
+  GroupAllocation chosen =
+      ChooseForBytes(groups.all, std::max<int64_t>(0, static_cast<int64_t>(budget)));
+  if (static_cast<double>(chosen.bytes) > budget) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "--vq-ratio %g is not reached: indices and one code a group of maps take a "
+                  "%.1fth of all maps",
+                  options.vq_ratio,
+                  static_cast<double>(all) / static_cast<double>(chosen.bytes + indices));
+    progress.Note(text);
+  }
+  return std::move(chosen.choices);
 }
 
 // Groups at the resolutions chosen, and their numbers of codes.
@@ -157,7 +170,7 @@ LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldMod
   if (options.WantsCodebooks()) {
     progress.Start("grouping maps", 3);
     Groups groups = CollectGroups(model, scales, RefitViews(source, model, limits.guessed_weight));
-    const std::vector<int> codes = TakeForms(ChooseForms(model, groups, options), groups);
+    const std::vector<int> codes = TakeForms(ChooseForms(model, groups, options, progress), groups);
     view_codes.assign(codes.end() - model.terms, codes.end());
     progress.Advance();
     result = SharePatches(model, scales, groups, codes, layout);

@@ -65,16 +65,10 @@ Forms FormsOf(const MapGroup& group) {
   return forms;
 }
 
-struct Allocation {
-  std::vector<GroupChoice> choices;
-  int64_t bytes = 0;
-  double distortion = 0;
-};
-
 // The least of distortion + price * bytes, for each group.
-Allocation Allocate(const std::vector<Forms>& groups, double price) {
+GroupAllocation Allocate(const std::vector<Forms>& groups, double price) {
   constexpr double kStep = 1.08;
-  Allocation allocation;
+  GroupAllocation allocation;
   for (const Forms& forms : groups) {
     GroupChoice best;
     double least = HUGE_VAL, distortion = 0;
@@ -102,23 +96,22 @@ Allocation Allocate(const std::vector<Forms>& groups, double price) {
 
 // The lowest price at which an allocation fits, or the highest.
 enum class Fits { kWhenDear, kWhenCheap };
-std::vector<GroupChoice> AllocateToFit(std::span<const MapGroup> groups,
-                                       const std::function<bool(const Allocation&)>& fits,
-                                       Fits when) {
+GroupAllocation AllocateToFit(std::span<const MapGroup> groups,
+                              const std::function<bool(const GroupAllocation&)>& fits, Fits when) {
   std::vector<Forms> forms;
   for (const MapGroup& group : groups) forms.push_back(FormsOf(group));
   const bool dear_fits = when == Fits::kWhenDear;
   double cheap = -40, dear = 40;  // log10 of the price
-  Allocation best = Allocate(forms, std::pow(10.0, dear_fits ? dear : cheap));
+  GroupAllocation best = Allocate(forms, std::pow(10.0, dear_fits ? dear : cheap));
   constexpr int kRounds = 60;
   for (int i = 0; i < kRounds; ++i) {
     const double middle = (cheap + dear) / 2;
-    Allocation allocation = Allocate(forms, std::pow(10.0, middle));
+    GroupAllocation allocation = Allocate(forms, std::pow(10.0, middle));
     const bool fit = fits(allocation);
     (fit == dear_fits ? dear : cheap) = middle;
     if (fit) best = std::move(allocation);
   }
-  return best.choices;
+  return best;
 }
 
 }  // namespace
@@ -252,15 +245,14 @@ MapGroup ViewGroup(const LightFieldModel& model, std::span<const FittedViews> vi
   return group;
 }
 
-std::vector<GroupChoice> ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes) {
+GroupAllocation ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes) {
   return AllocateToFit(
-      groups, [&](const Allocation& a) { return a.bytes <= max_bytes; }, Fits::kWhenDear);
+      groups, [&](const GroupAllocation& a) { return a.bytes <= max_bytes; }, Fits::kWhenDear);
 }
 
-std::vector<GroupChoice> ChooseForDistortion(std::span<const MapGroup> groups,
-                                             double max_distortion) {
+GroupAllocation ChooseForDistortion(std::span<const MapGroup> groups, double max_distortion) {
   return AllocateToFit(
-      groups, [&](const Allocation& a) { return a.distortion <= max_distortion; },
+      groups, [&](const GroupAllocation& a) { return a.distortion <= max_distortion; },
       Fits::kWhenCheap);
 }
 

@@ -51,11 +51,17 @@ struct GroupChoice {
   int codes = 1;
 };
 
+/// A form for each group, and what they come to, as estimated.
+struct GroupAllocation {
+  std::vector<GroupChoice> choices;
+  int64_t bytes = 0;  ///< of all codes
+  double distortion = 0;
+};
+
 /// What each group gets, one code at least: that for which no byte spent elsewhere would lower the
 /// total distortion more, as MeasureRates estimates it. Codes together take `max_bytes` at most
 /// (but one code a group at the lowest resolution), or lose `max_distortion` at most.
-std::vector<GroupChoice> ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes);
-std::vector<GroupChoice> ChooseForDistortion(std::span<const MapGroup> groups,
-                                             double max_distortion);
+GroupAllocation ChooseForBytes(std::span<const MapGroup> groups, int64_t max_bytes);
+GroupAllocation ChooseForDistortion(std::span<const MapGroup> groups, double max_distortion);
 
 }  // namespace lfm

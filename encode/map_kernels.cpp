@@ -3,23 +3,10 @@
 // antisymmetric: sums over both, apart, give the upper and the lower half of the samples at once.
 #include "encode/map_kernels.h"
 
-#define LFM_INLINE [[gnu::always_inline]] inline
+#include "encode/lanes.h"
 
 namespace lfm::kernels {
 namespace {
-
-// Element alignment: the arrays are ordinary float arrays.
-using Float4 = float __attribute__((vector_size(16), aligned(4), may_alias));
-using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
-
-template <typename Lane>
-LFM_INLINE Lane& At(float* p) {
-  return *reinterpret_cast<Lane*>(p);
-}
-template <typename Lane>
-LFM_INLINE const Lane& At(const float* p) {
-  return *reinterpret_cast<const Lane*>(p);
-}
 
 // kLanes vectors of one row of C B.
 template <typename Lane, int kLanes>
@@ -90,9 +77,6 @@ LFM_INLINE void Inverse(const float* basis, int side, const float* low, int used
     Columns<Lane, kMany / 4>(basis, side, low, used, first, scratch, samples);
   }
 }
-
-using Int8 = int32_t __attribute__((vector_size(32), aligned(4), may_alias));
-using Byte8 = uint8_t __attribute__((vector_size(8), aligned(1), may_alias));
 
 LFM_INLINE void QuantizeEight(const float* values, float factor, float bias, float steps,
                               uint8_t* codes) {

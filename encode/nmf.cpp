@@ -19,6 +19,7 @@ using Gram = Eigen::MatrixXd;  // width x width
 constexpr double kStartTolerance = 1e-4;  // of the subspace; the last iterations see all of F
 constexpr double kLeastError = 1e-8;      // of the energy: below that lies rounding
 constexpr int kRounds = 4;                // of descent, a product
+constexpr int kBesides = 4;               // singular triplets of the subspace beyond the terms
 
 /// A factor: rows x width, row-major.
 struct Factor {
@@ -63,31 +64,39 @@ void Descend(const Factor& products, const Gram& gram, int terms, Factor& x) {
 }
 
 double Inner(const Factor& a, const Factor& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.values.size(); ++i) {
-    sum += static_cast<double>(a.values[i]) * b.values[i];
+  double sums[8] = {};  // as many as the compiler can keep in registers
+  for (size_t i = 0; i < a.values.size(); i += 8) {
+    for (size_t k = 0; k < 8; ++k) {
+      sums[k] += static_cast<double>(a.values[i + k]) * b.values[i + k];
+    }
   }
-  return sum;
+  return std::accumulate(std::begin(sums), std::end(sums), 0.0);
 }
 
+/// What iterations hold besides the factors.
+struct Workspace {
+  Factor u_products, v_products;
+  Gram v_gram;
+};
+
 // Both factors in turn; returns ||F||^2 - ||F - U V^T||^2 of the new pair.
-double Alternate(const Products& f, int terms, Factor& u, Factor& v, Factor& u_products,
-                 Factor& v_products) {
-  f.times(v, u_products);
-  Descend(u_products, v.GramMatrix(), terms, u);
-  f.transposed_times(u, v_products);
+double Alternate(const Products& f, int terms, Factor& u, Factor& v, Workspace& work) {
+  f.times(v, work.u_products);
+  Descend(work.u_products, work.v_gram, terms, u);
+  f.transposed_times(u, work.v_products);
   const Gram u_gram = u.GramMatrix();
-  Descend(v_products, u_gram, terms, v);
-  return 2 * Inner(v_products, v) - u_gram.cwiseProduct(v.GramMatrix()).sum();
+  Descend(work.v_products, u_gram, terms, v);
+  work.v_gram = v.GramMatrix();
+  return 2 * Inner(work.v_products, v) - u_gram.cwiseProduct(work.v_gram).sum();
 }
 
 int Iterate(const Products& f, double energy, double tolerance, int max_iterations, int terms,
             Factor& u, Factor& v, double& fall) {
-  Factor u_products = Zeros(u.rows, u.width), v_products = Zeros(v.rows, v.width);
+  Workspace work{Zeros(u.rows, u.width), Zeros(v.rows, v.width), v.GramMatrix()};
   fall = -INFINITY;
   int iteration = 0;
   while (iteration < max_iterations) {
-    const double before = std::exchange(fall, Alternate(f, terms, u, v, u_products, v_products));
+    const double before = std::exchange(fall, Alternate(f, terms, u, v, work));
     ++iteration;
     const double error = std::max(energy - fall, 0.0) + kLeastError * energy;
     if (fall - before <= tolerance * error) break;
@@ -96,36 +105,40 @@ int Iterate(const Products& f, double energy, double tolerance, int max_iteratio
 }
 
 // The nonnegative part of u v^T that has more energy, split evenly.
-void StartTerm(const PcaResult& pca, int k, Factor& u, Factor& v) {
+void StartTerm(const Factor& left, const Factor& right, int k, Factor& u, Factor& v) {
   double up = 0, un = 0, vp = 0, vn = 0;
   const auto add = [](float value, double& positive, double& negative) {
     (value > 0 ? positive : negative) += static_cast<double>(value) * value;
   };
-  const auto left = [&](int row) { return pca.left[static_cast<size_t>(row) * pca.width + k]; };
-  const auto right = [&](int row) { return pca.right[static_cast<size_t>(row) * pca.width + k]; };
-  for (int row = 0; row < u.rows; ++row) add(left(row), up, un);
-  for (int row = 0; row < v.rows; ++row) add(right(row), vp, vn);
+  for (int row = 0; row < u.rows; ++row) add(left.At(row, k), up, un);
+  for (int row = 0; row < v.rows; ++row) add(right.At(row, k), vp, vn);
   const float sign = up * vp >= un * vn ? 1 : -1;
-  for (int row = 0; row < u.rows; ++row) u.At(row, k) = std::max(0.F, sign * left(row));
-  for (int row = 0; row < v.rows; ++row) v.At(row, k) = std::max(0.F, sign * right(row));
+  for (int row = 0; row < u.rows; ++row) u.At(row, k) = std::max(0.F, sign * left.At(row, k));
+  for (int row = 0; row < v.rows; ++row) v.At(row, k) = std::max(0.F, sign * right.At(row, k));
 }
 
-Products ProductsInSubspace(const PcaResult& pca, int rows, int cols) {
-  // F ~ L R^T: F V = L (R^T V), F^T U = R (L^T U).
-  const auto through = [&pca](const std::vector<float>& first, int first_rows,
-                              const std::vector<float>& second, int second_rows, const Factor& x,
-                              Factor& out) {
-    std::vector<float> small(static_cast<size_t>(pca.width) * x.width);
-    kernels::MultiplyTransposed(first.data(), first_rows, pca.width, x.values.data(), x.width,
-                                small.data());
-    kernels::Multiply(second.data(), second_rows, pca.width, small.data(), x.width,
+// The first columns of a matrix of `width`, as many as `kept`.
+Factor FirstColumns(const std::vector<float>& values, int rows, int width, int kept, float scale) {
+  Factor first = Zeros(rows, kept);
+  for (int row = 0; row < rows; ++row) {
+    for (int k = 0; k < kept; ++k) {
+      first.At(row, k) = scale * values[static_cast<size_t>(row) * width + k];
+    }
+  }
+  return first;
+}
+
+// F ~ L R^T: F V = L (R^T V), F^T U = R (L^T U).
+Products ProductsInSubspace(const Factor& left, const Factor& right) {
+  const auto through = [](const Factor& first, const Factor& second, const Factor& x, Factor& out) {
+    std::vector<float> small(static_cast<size_t>(first.width) * x.width);
+    kernels::MultiplyTransposed(first.values.data(), first.rows, first.width, x.values.data(),
+                                x.width, small.data());
+    kernels::Multiply(second.values.data(), second.rows, second.width, small.data(), x.width,
                       out.values.data());
   };
-  return {
-      [=, &pca](const Factor& v, Factor& out) { through(pca.right, cols, pca.left, rows, v, out); },
-      [=, &pca](const Factor& u, Factor& out) {
-        through(pca.left, rows, pca.right, cols, u, out);
-      }};
+  return {[=, &left, &right](const Factor& v, Factor& out) { through(right, left, v, out); },
+          [=, &left, &right](const Factor& u, Factor& out) { through(left, right, u, out); }};
 }
 
 Products ProductsWith(const LinearMap& map, float prescale) {
@@ -185,15 +198,16 @@ NmfResult ComputeNmf(const LinearMap& map, const NmfOptions& options) {
   // Units in which the largest singular value is about one.
   const int exponent = std::ilogb(pca.singular_values.front());
   const float prescale = std::ldexp(1.F, -exponent), unscale = std::ldexp(1.F, exponent);
-  PcaResult scaled = pca;
-  for (float& value : scaled.right) value *= prescale;
+  const int kept = std::min(pca.width, (options.terms + kBesides + 7) / 8 * 8);
+  const Factor left = FirstColumns(pca.left, map.rows, pca.width, kept, 1),
+               right = FirstColumns(pca.right, map.cols, pca.width, kept, prescale);
   double energy = 0;
   for (const double s : pca.singular_values) energy += s * prescale * s * prescale;
-  for (int k = 0; k < pca.terms; ++k) StartTerm(scaled, k, u, v);
+  for (int k = 0; k < pca.terms; ++k) StartTerm(left, right, k, u, v);
 
   double fall = 0;
-  const int inside = Iterate(ProductsInSubspace(scaled, map.rows, map.cols), energy,
-                             options.tolerance, options.max_iterations, pca.terms, u, v, fall);
+  const int inside = Iterate(ProductsInSubspace(left, right), energy, options.tolerance,
+                             options.max_iterations, pca.terms, u, v, fall);
   const int exact = Iterate(ProductsWith(map, prescale), energy, options.tolerance,
                             options.max_exact, pca.terms, u, v, fall);
   NmfResult result = Arrange(u, v, pca.terms, unscale);

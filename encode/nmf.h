@@ -12,7 +12,7 @@ struct NmfOptions {
   int terms = 3;  ///< K, 0 to 16
   /// Iterations end when one lowers the squared error by less than this share of it (of what lies
   /// in the captured subspace, and 1e-8 ||F||^2).
-  double tolerance = 1e-3;
+  double tolerance = 2e-3;
   int max_iterations = 200;  ///< on the captured subspace
   int max_exact = 10;        ///< afterwards, on F itself
 };

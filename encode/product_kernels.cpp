@@ -4,27 +4,13 @@
 // rather than target_clones: those resolve before the sanitizers are up.
 #include "encode/product_kernels.h"
 
-#define LFM_INLINE [[gnu::always_inline]] inline
+#include "encode/lanes.h"
 
 namespace lfm::kernels {
 namespace {
 
-// Element alignment: the arrays are ordinary float arrays.
-using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
-using Float16 = float __attribute__((vector_size(64), aligned(4), may_alias));
-using Double4 = double __attribute__((vector_size(32), aligned(8), may_alias));
-
 template <typename Lane>
 constexpr int kLanesOf16 = 16 * sizeof(float) / sizeof(Lane);
-
-template <typename Lane>
-LFM_INLINE Lane& At(float* p) {
-  return *reinterpret_cast<Lane*>(p);
-}
-template <typename Lane>
-LFM_INLINE const Lane& At(const float* p) {
-  return *reinterpret_cast<const Lane*>(p);
-}
 
 // kCount accumulator rows at once; element (r, i) of the left factor is p[r * row_step + i * step].
 // Sums are flushed every kRun terms: shorter float32 sums round less.

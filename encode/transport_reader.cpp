@@ -9,6 +9,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "encode/afx.h"
+#include "encode/file_errors.h"
 #include "encode/glb.h"
 #include "encode/gutters.h"
 #include "encode/map_quantization.h"
@@ -123,9 +124,7 @@ Maps DecodeMaps(const std::string& name, const Parts& parts, const transport::Ma
   return maps;
 }
 
-}  // namespace
-
-DecodedModel DecodeTransport(std::string_view bytes, const std::string& name) {
+DecodedModel Decode(std::string_view bytes, const std::string& name) {
   const Parts parts = FindParts({bytes, name});
   const Geometry geometry = transport::DecodeGeometry({parts.geometry, name});
   ValidateMesh(geometry.mesh, name.c_str());
@@ -148,6 +147,12 @@ DecodedModel DecodeTransport(std::string_view bytes, const std::string& name) {
   });
   ValidateModel(model, name);
   return {FillGutters(std::move(model)), parts.missing};
+}
+
+}  // namespace
+
+DecodedModel DecodeTransport(std::string_view bytes, const std::string& name) {
+  return NamingFile(name, [&] { return Decode(bytes, name); });
 }
 
 std::string CutOffNote(const std::filesystem::path& file, const DecodedModel& decoded) {

@@ -4,6 +4,7 @@
 
 #include "core/command_line.h"
 #include "core/error.h"
+#include "encode/option_effects.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/workspace.h"
 
@@ -47,10 +48,12 @@ int main(int argc, char** argv) {
   }
   lfm::CommandLine line = MakeCommandLine();
   Declare(line, arguments);
-  return line.Run(argc, argv, [&arguments](lfm::Progress& progress) {
+  return line.Run(argc, argv, [&](lfm::Progress& progress) {
     if (arguments.action != "run") {
       throw lfm::Error("unknown action '" + arguments.action + "'; use: lfm-pipeline run CAPTURE");
     }
+    lfm::RequireEffect(arguments.options.encode,
+                       [&line](const std::string& name) { return line.Given(name); });
     const lfm::PipelineSummary summary =
         lfm::RunPipeline(arguments.capture, arguments.options, progress);
     const lfm::Workspace workspace{arguments.options.out};

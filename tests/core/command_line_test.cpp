@@ -17,7 +17,7 @@ struct Outcome {
   int status;
   std::string out, error;
   std::string first = "unset";
-  bool ran = false;
+  bool ran = false, count_given = false;
 };
 
 struct ToolOptions {
@@ -40,6 +40,7 @@ Outcome RunTool(
   testing::internal::CaptureStderr();
   outcome.status = line.Run(static_cast<int>(argv.size()), argv.data(), [&](Progress& progress) {
     outcome.ran = true;
+    outcome.count_given = line.Given("count");
     body(progress);
   });
   outcome.out = testing::internal::GetCapturedStdout();
@@ -184,6 +185,15 @@ TEST(CommandLine, AConfigFileThatIsRightIsFollowedAndNotBlamed) {
   const Outcome outcome = RunWithConfig(folder, "count = 3\n", {"--count", "99"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.error.find("tool.toml"), std::string::npos) << outcome.error;
+}
+
+// Whatever the value: also the default.
+TEST(CommandLine, KnowsWhichOptionsWereGiven) {
+  EXPECT_FALSE(RunTool({"a"}).count_given);
+  EXPECT_TRUE(RunTool({"a", "--count", "1"}).count_given);
+  const TestFolder folder;
+  EXPECT_TRUE(RunWithConfig(folder, "count = 1\n").count_given);
+  EXPECT_FALSE(RunWithConfig(folder, "\n").count_given);
 }
 
 TEST(CommandLine, WhatATerminalWouldObeyIsEscaped) {

@@ -27,7 +27,7 @@ class AfxHostile : public ::testing::Test {
     const SyntheticLightField field = MakeLightField(
         MakeSphere(0), 3, 20, [](int) { return 3; }, GlossyAppearance);
     form_ = AfxForm(Encode(field.Source(), {.terms = 1, .transport_db = 0}, SilentProgress()).model,
-                    {.light_maps_per_term = 1});
+                    {});
     files_ = WriteAfxForm(form_);
   }
   ~AfxHostile() override { fs::remove_all(folder_); }
@@ -101,7 +101,8 @@ TEST_F(AfxHostile, DamagedBytesAreSafe) {
       for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
         EXPECT_TRUE(EvaluateModel(model, t, {0.1, 0.2, 0.7}, {0, 0.6, 0.8}).allFinite());
       }
-    } catch (const Error&) {
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("model.wrl", 0), 0U) << error.what();
       ++refused;
     }
   }
@@ -238,20 +239,50 @@ TEST_F(AfxHostile, PicturesMustLieBesideTheFile) {
   refused("text.png", "is not a PNG");
 }
 
+// The names that we give say what the pictures hold: swapped ones would show nonsense.
+TEST_F(AfxHostile, RefusesPicturesUnderEachOthersNames) {
+  const auto bytes = [&](size_t i) -> std::string {
+    const std::vector<std::byte>& png = files_.pictures[i].png;
+    return {reinterpret_cast<const char*>(png.data()), png.size()};
+  };
+  // The mean view, the three corners' surface maps and the view maps of one term.
+  ASSERT_EQ(files_.pictures.size(), 5U);
+  for (const auto& [first, second] : {std::pair(1, 2), std::pair(2, 3), std::pair(0, 4)}) {
+    ASSERT_NE(bytes(first), bytes(second));
+    const auto swapped = [&](const std::string& name) -> std::string {
+      for (int i = 0; i < 5; ++i) {
+        if (files_.pictures[i].name != name) continue;
+        return bytes(i == first ? second : i == second ? first : i);
+      }
+      throw Error(name + ": no such picture");
+    };
+    try {
+      ReadAfxText(files_.wrl, "model.wrl", swapped);
+      ADD_FAILURE() << first << " and " << second;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("swapped"), std::string::npos) << error.what();
+    }
+  }
+}
+
 // A picture's header is looked at before anything is decoded.
 TEST_F(AfxHostile, RefusesPicturesThatLieAboutTheirSize) {
   for (const std::string& size :
        {std::string("\0\0\x3f\xff\0\0\x3f\xff", 8), std::string("\xff\xff\xff\xff\0\0\0\1", 8),
         std::string("\0\0\0\0\0\0\0\0", 8), std::string("\0\0\0\1\0\0\0\1", 8)}) {
-    const auto lying = [&](const std::string& name) -> std::string {
-      for (const AfxFiles::Picture& picture : files_.pictures) {
-        if (picture.name != name) continue;
-        std::string png(reinterpret_cast<const char*>(picture.png.data()), picture.png.size());
-        return png.replace(16, 8, size);
-      }
-      throw Error(name + ": no such picture");
+    // Under names that say nothing of their content.
+    std::string text = files_.wrl;
+    for (size_t i = 0; i < files_.pictures.size(); ++i) {
+      const std::string& name = files_.pictures[i].name;
+      text.replace(text.find(name), name.size(), std::to_string(i));
+    }
+    const auto picture = [&](const std::string& name) -> std::string {
+      const std::vector<std::byte>& png = files_.pictures.at(std::stoul(name)).png;
+      return {reinterpret_cast<const char*>(png.data()), png.size()};
     };
-    EXPECT_THROW(ReadAfxText(files_.wrl, "model.wrl", lying), Error);
+    const auto lying = [&](const std::string& name) { return picture(name).replace(16, 8, size); };
+    ASSERT_NO_THROW(ReadAfxText(text, "model.wrl", picture));
+    EXPECT_THROW(ReadAfxText(text, "model.wrl", lying), Error);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "encode/encode.h"
 #include "encode/model_evaluation.h"
 #include "encode/vrml_scene.h"
+#include "tests/encode/afx_light_maps.h"
 #include "tests/encode/synthetic_light_field.h"
 
 namespace lfm::testing {
@@ -116,10 +117,9 @@ class AfxMeaning {
 TEST(AfxMeaning, IsWhatThePaperSays) {
   const SyntheticLightField field = MakeLightField(
       MakeSphere(1), 8, 60, [](int t) { return t % 2 == 0 ? 5 : 9; }, GlossyAppearance);
-  for (const int light_maps : {1, 3}) {
-    const LightFieldModel form =
-        AfxForm(Encode(field.Source(), {.terms = 2, .transport_db = 0}, SilentProgress()).model,
-                {.light_maps_per_term = light_maps});
+  const LightFieldModel one_light_map =
+      AfxForm(Encode(field.Source(), {.terms = 2, .transport_db = 0}, SilentProgress()).model, {});
+  for (const LightFieldModel& form : {one_light_map, WithThreeLightMaps(one_light_map)}) {
     const AfxFiles files = WriteAfxForm(form);
     const AfxMeaning meaning(files);
     std::mt19937 random(17);

@@ -114,46 +114,29 @@ TEST(AfxRanges, HoldAllValuesOfTheirVertices) {
                                           Term(0, 0, 0, 1),
                                           Term(-1e-6f, 2e-6f, -1e6f, 1e5f),
                                           Term(0, 0, 0, 0)};
-  for (const int light_maps : {1, 2, 3, 16}) {
-    const SharedRanges shared = ShareRanges(terms, light_maps);
-    EXPECT_LE(shared.ranges.size(), std::min<size_t>(light_maps, terms.size()));
-    for (size_t i = 0; i < terms.size(); ++i) {
-      const SharedScale& scale = shared.scales[i];
-      const MapRange& range = shared.ranges[scale.light_map];
-      ASSERT_TRUE(std::isfinite(scale.surface));
-      ASSERT_NE(scale.surface, 0);
-      const double slack = 1e-5 * range.scale;
-      for (const double value :
-           {terms[i].surface.low * scale.surface, terms[i].surface.high * scale.surface,
-            terms[i].view.low / scale.surface, terms[i].view.high / scale.surface}) {
-        EXPECT_GE(value, range.bias - slack);
-        EXPECT_LE(value, range.bias + range.scale + slack);
-      }
-      EXPECT_EQ(DecodeValue(range, ZeroCode(range)), 0);
+  const auto [range, surface_scales] = ShareRange(terms);
+  ASSERT_EQ(surface_scales.size(), terms.size());
+  for (size_t i = 0; i < terms.size(); ++i) {
+    const double scale = surface_scales[i];
+    ASSERT_TRUE(std::isfinite(scale));
+    ASSERT_NE(scale, 0);
+    const double slack = 1e-5 * range.scale;
+    for (const double value : {terms[i].surface.low * scale, terms[i].surface.high * scale,
+                               terms[i].view.low / scale, terms[i].view.high / scale}) {
+      EXPECT_GE(value, range.bias - slack);
+      EXPECT_LE(value, range.bias + range.scale + slack);
     }
   }
-}
-
-// With as many light maps as vertices each has a range of its own; a few are put where the largest
-// values are.
-TEST(AfxRanges, SplitsByTheRangeThatIsNeeded) {
-  std::vector<TermExtents> terms(20, Term(-0.1f, 0.1f, -0.1f, 0.1f));
-  terms[7] = Term(-10, 10, -10, 10);
-  const SharedRanges shared = ShareRanges(terms, 2);
-  ASSERT_EQ(shared.ranges.size(), 2u);
-  for (size_t i = 0; i < terms.size(); ++i) {
-    EXPECT_EQ(shared.scales[i].light_map, i == 7 ? 0 : 1);
-  }
-  EXPECT_NEAR(shared.ranges[0].scale, 100 * shared.ranges[1].scale, 0.02 * shared.ranges[0].scale);
-  EXPECT_TRUE(ShareRanges({}, 4).ranges.empty());
+  EXPECT_EQ(DecodeValue(range, ZeroCode(range)), 0);
+  EXPECT_TRUE(ShareRange({}).surface_scales.empty());
 }
 
 TEST(AfxRanges, TurnsSignsSoThatLargeValuesArePositive) {
   const std::vector<TermExtents> terms = {Term(-8, 1, -8, 1), Term(-1, 8, -1, 8)};
-  const SharedRanges shared = ShareRanges(terms, 1);
-  EXPECT_LT(shared.scales[0].surface, 0);
-  EXPECT_GT(shared.scales[1].surface, 0);
-  EXPECT_LT(shared.ranges[0].scale, 10);  // not from -8 to 8
+  const SharedRange shared = ShareRange(terms);
+  EXPECT_LT(shared.surface_scales[0], 0);
+  EXPECT_GT(shared.surface_scales[1], 0);
+  EXPECT_LT(shared.range.scale, 10);  // not from -8 to 8
 }
 
 // A map that is smooth in direction is the same on the disc; looked up at random directions.

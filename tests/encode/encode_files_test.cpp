@@ -128,7 +128,7 @@ TEST_F(EncodeFiles, CommandWritesModelFiguresAndPictures) {
 TEST_F(EncodeFiles, CommandWritesAndRemovesAfx) {
   WriteLightField();
   const fs::path folder = work_ / "encode";
-  ASSERT_EQ(Run("'" + work_.string() + "' --terms 2 --afx disc --afx-light-maps 1"), 0) << Log();
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 2 --afx disc"), 0) << Log();
   const LightFieldModel model = ReadModel(folder / "model.wrl").model;
   EXPECT_EQ(model.vertex_terms, ReadGlb(folder / "model.glb").vertex_terms);
   EXPECT_EQ(model.direction_map, DirectionMap::kOrthographic);
@@ -153,8 +153,36 @@ TEST_F(EncodeFiles, CommandRefusesBadInputInOneLine) {
   WriteLightField();
   expect_refused("'" + work_.string() + "' --terms 99");
   expect_refused("'" + work_.string() + "' --guessed-weight nan");
+  // What has no effect beside the rest.
+  for (const char* idle :
+       {"--terms 3 --term-gain 1", "--terms 3 --max-terms 4", "--target-db 40 --term-gain 0.5",
+        "--factorization nmf --fill mirror", "--vq-start pairwise", "--block-quality best",
+        "--transport-db 0 --geometry-error 0.1", "--factorization nmf --max-terms 3"}) {
+    expect_refused("'" + work_.string() + "' " + idle);
+    EXPECT_NE(Log().find("has no effect"), std::string::npos) << Log();
+  }
+  // There are no poses.
+  expect_refused("'" + work_.string() + "' --fill mirror -q");
+  EXPECT_NE(Log().find("poses.json"), std::string::npos) << Log();
+  EXPECT_NE(Log().find("--fill blend"), std::string::npos) << Log();
   fs::resize_file(LightFieldFile(), fs::file_size(LightFieldFile()) / 2);
   expect_refused("'" + work_.string() + "'");
+}
+
+TEST_F(EncodeFiles, CommandSaysWhatItCouldNotReach) {
+  WriteLightField();
+  const std::string plain = "'" + work_.string() + "' --terms 1 --transport-db 0";
+  ASSERT_EQ(Run(plain), 0) << Log();
+  EXPECT_NE(Log().find("blending alone"), std::string::npos) << Log();  // no poses, by default
+  ASSERT_EQ(Run(plain + " --fill blend --vq-ratio 2"), 0) << Log();
+  EXPECT_EQ(Log().find("blending alone"), std::string::npos) << Log();
+  EXPECT_EQ(Log().find("not reached"), std::string::npos) << Log();
+  ASSERT_EQ(Run(plain + " --vq-ratio 1000"), 0) << Log();
+  EXPECT_NE(Log().find("--vq-ratio 1000 is not reached"), std::string::npos) << Log();
+  ASSERT_EQ(Run(plain + " --vq-db 30"), 0) << Log();
+  EXPECT_EQ(Log().find("asked for"), std::string::npos) << Log();
+  ASSERT_EQ(Run(plain + " --vq-db 99 --blocks bc1"), 0) << Log();
+  EXPECT_NE(Log().find("--vq-db 99 was asked for"), std::string::npos) << Log();
 }
 
 TEST_F(EncodeFiles, CommandLeavesAnOldModelAloneWhenItFails) {

@@ -160,13 +160,14 @@ TEST_F(GlbCompressed, DamagedBytesAreSafe) {
     std::string damaged = bytes;
     for (int i = 0; i < 4; ++i) damaged[random() % damaged.size()] = static_cast<char>(random());
     try {
-      const LightFieldModel model = ReadGlbBytes(damaged, "x");
+      const LightFieldModel model = ReadGlbBytes(damaged, "damaged.glb");
       for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
         const Eigen::Vector3f color =
             EvaluateModel(model, t, {0.2, 0.3, 0.5}, Eigen::Vector3d(0, 0.6, 0.8));
         ASSERT_TRUE(color.allFinite());
       }
-    } catch (const Error&) {
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("damaged.glb: ", 0), 0U) << error.what();
     }
   }
   for (size_t size = 0; size < bytes.size(); size += 97) {

@@ -164,7 +164,8 @@ bool AcceptedSafely(const std::string& bytes) {
   LightFieldModel model;
   try {
     model = ReadGlbBytes(bytes, "model.glb");
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("model.glb: ", 0), 0U) << error.what();
     return false;
   }
   for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {

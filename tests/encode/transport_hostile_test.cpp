@@ -91,7 +91,8 @@ TEST(TransportHostile, SurvivesDamagedParts) {
       ++decoded;
       ValidateModel(model, "hostile");
       EXPECT_TRUE(EvaluateModel(model, 0, {0.3, 0.3, 0.4}, {0, 0, 1}).allFinite());
-    } catch (const Error&) {
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("hostile.lfz: ", 0), 0U) << error.what();
       ++refused;
     }
   }

@@ -14,6 +14,7 @@
 #include "encode/png_header.h"
 #include "encode/transport_form.h"
 #include "resample/light_field.h"
+#include "tests/encode/afx_light_maps.h"
 #include "tests/encode/synthetic_light_field.h"
 
 namespace lfm::testing {
@@ -80,7 +81,7 @@ void WriteSeeds(const std::filesystem::path& folder) {
     WriteGlb(model, folder / "glb" / (name + ".glb"));
     WriteFileAtomically(folder / "lfz" / (name + ".lfz"), EncodeTransport(model, {70}).bytes);
     if (model.mean_in_terms) continue;
-    const LightFieldModel form = AfxForm(model, {.light_maps_per_term = 2});
+    const LightFieldModel form = WithThreeLightMaps(AfxForm(model, {}));
     WriteFileAtomically(folder / "wrl" / (name + ".wrl"), TextWithMadePictures(WriteAfxForm(form)));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/line_chart.h"
+#include "core/line_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,6 +113,20 @@ std::string Frame(const LineChart& chart, const Axis& x, const Axis& y) {
   return svg + Escaped(chart.title) + "</text>\n";
 }
 
+// Ticks inside the frame: beside it stands the legend.
+std::string RightAxis(const std::string& label, const Axis& y) {
+  std::string svg;
+  for (const double tick : Ticks(y)) {
+    svg += Print("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#888\"/>\n",
+                 kRight - 6, kRight, y.At(tick), y.At(tick));
+    svg += Print("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kRight - 9,
+                 y.At(tick) + 4, tick);
+  }
+  svg += Print("<text transform=\"translate(%g %g) rotate(-90)\" text-anchor=\"middle\">",
+               kRight + 18, (kTop + kBottom) / 2);
+  return svg + Escaped(label) + "</text>\n";
+}
+
 std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Axis& y) {
   const char* color = kColors[index % std::size(kColors)];
   std::string line = Print("<polyline fill=\"none\" stroke-width=\"2\" stroke=\"%s\" points=\"",
@@ -128,7 +142,7 @@ std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Ax
   const std::string legend = Print(
                                  "<rect x=\"%g\" y=\"%g\" width=\"14\" height=\"4\" fill=\"%s\"/>"
                                  "<text x=\"%g\" y=\"%g\">",
-                                 kRight + 12, legend_y, color, kRight + 32, legend_y + 6) +
+                                 kRight + 24, legend_y, color, kRight + 44, legend_y + 6) +
                              Escaped(curve.name) + "</text>\n";
   return line + "\"/>\n" + dots + legend;
 }
@@ -136,19 +150,25 @@ std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Ax
 }  // namespace
 
 std::string ChartToSvg(const LineChart& chart) {
-  std::vector<double> xs, ys;
+  std::vector<double> xs, ys[2];
   for (const ChartCurve& curve : chart.curves) {
+    std::vector<double>& own = ys[curve.side == ChartSide::kRight];
     xs.insert(xs.end(), curve.x.begin(), curve.x.end());
-    ys.insert(ys.end(), curve.y.begin(), curve.y.end());
+    own.insert(own.end(), curve.y.begin(), curve.y.end());
   }
   const Axis x = MakeAxis(xs, chart.x_scale, kLeft, kRight);
-  const Axis y = MakeAxis(ys, ChartScale::kLinear, kBottom, kTop);
+  const Axis left = MakeAxis(ys[0], chart.y_scale, kBottom, kTop);
+  const Axis right = MakeAxis(ys[1], chart.y_scale, kBottom, kTop);
   std::string svg =
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"760\" height=\"420\" "
       "font-family=\"system-ui,sans-serif\" font-size=\"12\">\n"
       "<rect width=\"760\" height=\"420\" fill=\"#fff\"/>\n" +
-      Frame(chart, x, y);
-  for (size_t i = 0; i < chart.curves.size(); ++i) svg += Curve(chart.curves[i], i, x, y);
+      Frame(chart, x, left);
+  if (!ys[1].empty()) svg += RightAxis(chart.right_label, right);
+  for (size_t i = 0; i < chart.curves.size(); ++i) {
+    const ChartCurve& curve = chart.curves[i];
+    svg += Curve(curve, i, x, curve.side == ChartSide::kRight ? right : left);
+  }
   return svg + "</svg>\n";
 }
 
