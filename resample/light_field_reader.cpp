@@ -165,7 +165,8 @@ void ReadRecords(Bytes index, Bytes data, const std::string& name, LightFieldCon
   for (const lfs::IndexEntry& entry : entries) {
     const bool fits = entry.offset == place && entry.bytes % 8 == 0 &&
                       entry.bytes <= data.size() - place && entry.edge_samples >= 2 &&
-                      entry.edge_samples <= kMaxEdgeSamples && entry.views <= content.photo_ids.size();
+                      entry.edge_samples <= kMaxEdgeSamples &&
+                      entry.views <= content.photo_ids.size();
     if (!fits) Fail(name, "light field index is out of range");
     place += entry.bytes;
   }

@@ -12,12 +12,13 @@ namespace lfm {
 
 /// Where a direction lies in the plane in which views are triangulated.
 ///
-/// Hemi-octahedral maps, with a skirt or without, use the stereographic projection (d.x, d.y) / (1 + d.z): circles stay
-/// circles, so the triangulation is the Delaunay triangulation of the sphere; the hemisphere is the
-/// unit disc, and directions below the horizon keep their place outside it (at most at radius 1e3,
-/// where (0, 0, -1) is put too). Orthographic maps use the paper's (d.x, d.y); directions below the
-/// horizon, which would fold onto those above, are unfolded to radius 2 - |(d.x, d.y)|.
-/// Continuous in the direction but at (0, 0, -1). The direction must be unit and finite.
+/// Hemi-octahedral maps, with a skirt or without, use the stereographic projection (d.x, d.y) / (1
+/// + d.z): circles stay circles, so the triangulation is the Delaunay triangulation of the sphere;
+/// the hemisphere is the unit disc, and directions below the horizon keep their place outside it
+/// (at most at radius 1e3, where (0, 0, -1) is put too). Orthographic maps use the paper's (d.x,
+/// d.y); directions below the horizon, which would fold onto those above, are unfolded to radius 2
+/// - |(d.x, d.y)|. Continuous in the direction but at (0, 0, -1). The direction must be unit and
+/// finite.
 Eigen::Vector2d PlaneFromDirection(DirectionMap map, const Eigen::Vector3d& direction_in_frame);
 
 /// PlaneFromDirection of every entry of a view grid, in order: grid^2 points.

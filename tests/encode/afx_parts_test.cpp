@@ -140,10 +140,10 @@ TEST(AfxRanges, TurnsSignsSoThatLargeValuesArePositive) {
 }
 
 // A map that is smooth in direction is the same on the disc; looked up at random directions.
-class DiscViewsFrom : public testing::TestWithParam<DirectionMap> {};
+class DiscViewsFrom : public ::testing::TestWithParam<DirectionMap> {};
 INSTANTIATE_TEST_SUITE_P(Squares, DiscViewsFrom,
-                         testing::Values(DirectionMap::kHemiOctahedral,
-                                         DirectionMap::kHemiOctahedralSkirt));
+                         ::testing::Values(DirectionMap::kHemiOctahedral,
+                                           DirectionMap::kHemiOctahedralSkirt));
 
 TEST_P(DiscViewsFrom, KeepsSmoothMaps) {
   constexpr int kGrid = 16;

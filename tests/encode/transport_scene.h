@@ -41,6 +41,7 @@ inline LightFieldModel WithIsolatedVertex(LightFieldModel model) {
   model.surface_ranges = surface;
   model.view_ranges = view;
   model.vertex_terms.push_back(0);
+  model.guessed.clear();  // not known of the new vertex
   model.view_slots = RankByTerms(model.vertex_terms);
   return model;
 }
