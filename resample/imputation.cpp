@@ -87,11 +87,12 @@ class Regression {
     gram_.noalias() += terms * terms.transpose();
     right_ += value * terms;
   }
-  Terms Solve(float ridge) const {
+  /// `expected`: what little data leave the answer at.
+  Terms Solve(float ridge, const Terms& expected) const {
     if (!(ridge > 0)) return Terms::Zero();
     Gram gram = gram_;
     gram.diagonal().array() += ridge;
-    return gram.llt().solve(right_);
+    return gram.llt().solve(right_ + ridge * expected);
   }
 
  private:
@@ -103,7 +104,8 @@ class Regression {
 /// One sweep: every row given the views, or, with the roles exchanged by the accessors, the other
 /// way round.
 template <typename Value, typename Kind>
-void Sweep(const Factor& basis, float ridge, const Value& value, const Kind& kind, Factor& solved) {
+void Sweep(const Factor& basis, float ridge, const Terms& expected, const Value& value,
+           const Kind& kind, Factor& solved) {
   for (Index i = 0; i < solved.rows(); ++i) {
     Regression regression;
     for (Index j = 0; j < basis.rows(); ++j) {
@@ -114,7 +116,7 @@ void Sweep(const Factor& basis, float ridge, const Value& value, const Kind& kin
           known == Knowledge::kLowerBound && solved.row(i).dot(terms.transpose()) >= value(i, j);
       if (!reached) regression.Add(terms, value(i, j));
     }
-    solved.row(i) = regression.Solve(ridge).transpose();
+    solved.row(i) = regression.Solve(ridge, expected).transpose();
   }
 }
 
@@ -124,9 +126,11 @@ Factors Fit(const PartialMatrix& matrix, const Eigen::MatrixXf& start, int terms
   const auto value = [&](Index r, Index v) { return matrix.values(r, v); };
   const auto kind = [&](Index r, Index v) { return matrix.knowledge(r, v); };
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    Sweep(factors.views, factors.ridge, value, kind, factors.rows);
+    Sweep(factors.views, factors.ridge, Terms::Zero(), value, kind, factors.rows);
+    // A view that tells little looks like the mean of all, not like a darker one.
+    const Terms mean_view = factors.views.colwise().mean().transpose();
     Sweep(
-        factors.rows, factors.ridge, [&](Index v, Index r) { return value(r, v); },
+        factors.rows, factors.ridge, mean_view, [&](Index v, Index r) { return value(r, v); },
         [&](Index v, Index r) { return kind(r, v); }, factors.views);
   }
   return factors;

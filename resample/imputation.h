@@ -39,7 +39,8 @@ struct PartialMatrix {
 /// triangle without them would be too dark there. A view without any data or bound takes the rows'
 /// means over the other views. A row without any is left at zero: what lies beside it the caller
 /// knows (triangle_resampling takes the nearest sample). Never NaN for finite values. The ridge
-/// costs about a thousandth of a well-known value, some hundredths where a tenth is known.
+/// costs about a thousandth of a well-known value; it draws a view that tells little towards the
+/// mean of all views.
 Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms = 3);
 
 }  // namespace lfm

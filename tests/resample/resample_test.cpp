@@ -147,8 +147,8 @@ TEST(Resample, LetsNoBackgroundBleedIn) {
       for (size_t i = 0; i < patch.values.size(); ++i) {
         const size_t channel = i / patch.photos.size() % 3;
         const double value = double(patch.values[i]) / LightField::kOne;
-        // Estimates are drawn to zero a little where a tenth is known; no magenta may be in it.
-        ASSERT_NEAR(value, channel == 1 ? 0.8 : 0, channel == 1 ? 0.04 : 0.001) << "triangle " << t;
+        // What is estimated near edges is drawn to zero a little; no magenta may be in it.
+        ASSERT_NEAR(value, channel == 1 ? 0.8 : 0, channel == 1 ? 0.01 : 0.001) << "triangle " << t;
       }
     }
   }
