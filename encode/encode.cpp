@@ -11,12 +11,13 @@
 #include "core/parallel.h"
 #include "encode/guessed_directions.h"
 #include "encode/gutters.h"
+#include "encode/map_coarsening.h"
+#include "encode/map_selection.h"
 #include "encode/mean_view.h"
 #include "encode/model_error.h"
 #include "encode/model_layout.h"
 #include "encode/nonnegative_terms.h"
 #include "encode/reflection_model.h"
-#include "encode/term_selection.h"
 #include "encode/vertex_factorization.h"
 
 namespace lfm {
@@ -73,27 +74,18 @@ VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_v
   return FactorizeNonnegative(whole, shared, mean_only, wanted);
 }
 
-TermCosts Costs(const LightFieldSource& source, std::span<const int> edge_samples,
-                const std::vector<VertexTerms>& vertices) {
-  TermCosts costs{source.mesh, {}, {}, {}, int64_t{3} * source.grid * source.grid};
-  for (const VertexTerms& vertex : vertices) {
-    costs.squared_errors.push_back(vertex.squared_errors);
-    costs.entries.push_back(vertex.entries);
-  }
-  // With gutters: half of the rectangle that two triangles share.
-  for (const int n : edge_samples) costs.patch_bytes.push_back(int64_t{3} * (n + 4) * (n + 3) / 2);
-  return costs;
-}
-
 // Layouts leave gaps, so the budget of the maps is met by trial.
-std::vector<int> TermsForMegabytes(const LightFieldSource& source,
-                                   std::span<const int> edge_samples, const TermCosts& costs,
-                                   const EncodeOptions& options) {
-  const auto bytes_of = [&](const std::vector<int>& terms) {
-    return LayOutModel(source, edge_samples, terms, options.max_texture_size).MapsBytes();
+MapSelection MapsForMegabytes(const LightFieldSource& source, std::span<const int> edge_samples,
+                              const MapCosts& costs, const EncodeOptions& options) {
+  const auto bytes_of = [&](const MapSelection& maps) {
+    const LightFieldModel whole =
+        LayOutModel(source, edge_samples, maps.terms, options.max_texture_size);
+    return ChoosesDetail(options)
+               ? LayOutCoarsened(whole, maps.levels, options.max_texture_size).MapsBytes()
+               : whole.MapsBytes();
   };
   const auto target = static_cast<int64_t>(options.target_mb * 1e6);
-  const int64_t least = bytes_of(std::vector<int>(costs.entries.size(), 0));
+  const int64_t least = bytes_of(MapsForBytes(costs, 0));
   if (least > target) {
     char text[160];
     std::snprintf(text, sizeof text,
@@ -103,40 +95,49 @@ std::vector<int> TermsForMegabytes(const LightFieldSource& source,
     throw Error(text);
   }
   constexpr int kPatience = 8;
-  int64_t budget = target - least;
+  int64_t budget = target;
   for (int i = 0;; ++i) {
-    std::vector<int> terms = TermsForBytes(costs, budget);
-    const int64_t bytes = bytes_of(terms);
-    if (bytes <= target) return terms;  // no terms at all, in the end
+    MapSelection maps = MapsForBytes(costs, budget);
+    const int64_t bytes = bytes_of(maps);
+    if (bytes <= target) return maps;  // no terms at all, in the end
     const int64_t over = bytes - target;
     budget = std::max<int64_t>(budget - (i < kPatience ? over : std::max(over, budget / 2)), 0);
   }
 }
 
-std::vector<int> ChooseTerms(const LightFieldSource& source, std::span<const int> edge_samples,
-                             const std::vector<VertexTerms>& vertices, const EncodeOptions& options,
-                             Progress& progress) {
-  const TermCosts costs = Costs(source, edge_samples, vertices);
-  if (options.tolerance > 0) {
-    return TermsForTolerance(costs, options.tolerance / 255);
-  }
-  if (options.target_mb > 0) return TermsForMegabytes(source, edge_samples, costs, options);
+int64_t Entries(const MapCosts& costs) {
+  return std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0});
+}
+
+double AllowedError(const MapCosts& costs, double target_db) {
+  return static_cast<double>(Entries(costs)) * std::pow(10.0, -target_db / 10);
+}
+
+MapSelection ChooseMaps(const LightFieldSource& source, std::span<const int> edge_samples,
+                        const MapCosts& costs, const EncodeOptions& options, Progress& progress) {
+  if (options.tolerance > 0) return MapsForTolerance(costs, options.tolerance / 255);
+  if (options.target_mb > 0) return MapsForMegabytes(source, edge_samples, costs, options);
   if (options.terms != EncodeOptions::kAsNeeded || options.factorization == Factorization::kNmf) {
-    return AllTerms(costs);
+    return AllMaps(costs);
   }
-  if (!(options.target_db > 0)) return TermsForGain(costs, options.term_gain / 255);
-  const int64_t entries = std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0});
-  const double allowed = static_cast<double>(entries) * std::pow(10.0, -options.target_db / 10);
-  std::vector<int> terms = TermsForError(costs, allowed);
-  if (costs.SquaredError(terms) > allowed) {
+  if (!(options.target_db > 0)) return MapsForGain(costs, options.term_gain / 255);
+  const double allowed = AllowedError(costs, options.target_db);
+  MapSelection maps = MapsForError(costs, allowed);
+  if (costs.SquaredError(maps) > allowed) {
     char text[160];
     std::snprintf(text, sizeof text,
                   "%d terms reach %.1f dB of the %g dB asked for; raise --max-terms",
-                  options.max_terms, ModelError{costs.SquaredError(terms), entries}.psnr_db(),
+                  options.max_terms, ModelError{costs.SquaredError(maps), Entries(costs)}.psnr_db(),
                   options.target_db);
     progress.Note(text);
   }
-  return terms;
+  return maps;
+}
+
+void CountBytes(const LightFieldSource& source, EncodeResult& result) {
+  result.maps_bytes = result.model.MapsBytes();
+  result.compression_ratio =
+      static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
 }
 
 void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource& source,
@@ -172,9 +173,7 @@ void Summarize(const std::vector<VertexTerms>& vertices, const LightFieldSource&
   result.terms_mean = static_cast<double>(terms) / static_cast<double>(vertices.size());
   result.matrix_psnr_db = ModelError{error, entries}.psnr_db();
   result.matrix_psnr_mean_only_db = ModelError{energy, entries}.psnr_db();
-  result.maps_bytes = result.model.MapsBytes();
-  result.compression_ratio =
-      static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
+  CountBytes(source, result);
 }
 
 void CheckOptions(const EncodeOptions& options) {
@@ -225,9 +224,7 @@ void Compress(const LightFieldSource& source, const EncodeOptions& options, Prog
   const double before_db =
       std::exchange(result.matrix_psnr_db, CompareWithLightField(source, result.model).psnr_db());
   NoteLoss(before_db, result.matrix_psnr_db, options.compression, progress);
-  result.maps_bytes = result.model.MapsBytes();
-  result.compression_ratio =
-      static_cast<double>(source.dense_bytes) / static_cast<double>(result.maps_bytes);
+  CountBytes(source, result);
 }
 
 void CheckSource(const LightFieldSource& source) {
@@ -253,7 +250,105 @@ LightFieldSource FillDirections(const LightFieldSource& source, const EncodeOpti
   return filled;
 }
 
+// What factorisation gives, before anything is chosen.
+struct Factors {
+  std::vector<int> edge_samples;
+  MeanView mean_view;
+  VertexRings rings;
+  std::vector<VertexTerms> vertices;
+};
+
+Factors Factorize(const LightFieldSource& source, const EncodeOptions& options,
+                  Progress& progress) {
+  Factors factors{EdgeSamples(source), {}, ComputeVertexRings(source.mesh), {}};
+  factors.mean_view =
+      ComputeMeanView(source, FindSharedSamples(source.mesh.triangles, factors.edge_samples),
+                      options.guessed_weight, progress);
+  const auto vertices = static_cast<int64_t>(source.mesh.vertices.size());
+  factors.vertices.resize(vertices);
+  progress.Start("factorising", vertices);
+  ParallelFor(0, vertices, [&](int64_t v) {
+    factors.vertices[v] = FactorizeRing(source, factors.mean_view, Ring(factors.rings, v),
+                                        static_cast<int>(v), options);
+    progress.Advance();
+  });
+  return factors;
+}
+
+// The first terms of every vertex, every sample of them.
+LightFieldModel WholeModel(const LightFieldSource& source, const Factors& factors,
+                           const std::vector<int>& terms, const EncodeOptions& options) {
+  LightFieldModel model =
+      LayOutModel(source, factors.edge_samples, terms, options.max_texture_size);
+  model.mean_in_terms = options.factorization == Factorization::kNmf;
+  for (size_t t = 0; t < factors.edge_samples.size(); ++t) {
+    WriteMean(factors.mean_view.codes[t], static_cast<int>(t), model);
+  }
+  ParallelFor(0, static_cast<int64_t>(terms.size()), [&](int64_t v) {
+    WriteVertexTerms(Ring(factors.rings, v), factors.vertices[v].terms, static_cast<int>(v), model);
+  });
+  return FillGutters(std::move(model));
+}
+
+// A model of coarser maps, and what it loses with its first 0, 1, ... terms.
+struct Coarsened {
+  MapSelection maps;
+  LightFieldModel model;
+  std::vector<ModelError> errors;
+};
+
+// What levels lose is estimated; against a PSNR asked for it is measured, and allowed for.
+Coarsened Coarsen(const LightFieldSource& source, const Factors& factors, const MapCosts& costs,
+                  const EncodeOptions& options, const MapSelection& first, Progress& progress) {
+  constexpr int kTrials = 4;
+  constexpr double kNear = 0.995;
+  progress.Start("choosing resolutions", options.target_db > 0 ? kTrials : 1);
+  const auto coarsen = [&](const MapSelection& maps) {
+    Coarsened coarse{maps,
+                     CoarsenMaps(source, WholeModel(source, factors, maps.terms, options),
+                                 maps.levels, options.guessed_weight, options.max_texture_size),
+                     {}};
+    coarse.errors = CompareByTerms(source, coarse.model);
+    progress.Advance();
+    return coarse;
+  };
+  Coarsened best = coarsen(first);
+  const double allowed = options.target_db > 0 ? AllowedError(costs, options.target_db) : HUGE_VAL;
+  if (options.target_db <= 0 || costs.SquaredError(first) > allowed) return best;
+  double estimate = allowed, measured = best.errors.back().squared_error;
+  for (int trial = 1; trial < kTrials; ++trial) {
+    if (measured <= allowed && measured >= kNear * allowed) break;
+    estimate *= allowed / std::max(measured, 0.01 * allowed);
+    Coarsened next = coarsen(MapsForError(costs, estimate));
+    measured = next.errors.back().squared_error;
+    const double so_far = best.errors.back().squared_error;
+    const bool better =
+        so_far > allowed ? measured < so_far
+                         : measured <= allowed && next.model.MapsBytes() < best.model.MapsBytes();
+    if (better) best = std::move(next);
+  }
+  return best;
+}
+
+void TakeCoarsened(Coarsened coarsened, const LightFieldSource& source, EncodeResult& result) {
+  result.model = std::move(coarsened.model);
+  result.matrix_psnr_by_terms_db.clear();
+  for (const ModelError& error : coarsened.errors) {
+    result.matrix_psnr_by_terms_db.push_back(error.psnr_db());
+  }
+  result.matrix_psnr_db = result.matrix_psnr_by_terms_db.back();
+  result.matrix_psnr_mean_only_db = result.matrix_psnr_by_terms_db.front();
+  CountBytes(source, result);
+}
+
 }  // namespace
+
+bool ChoosesDetail(const EncodeOptions& options) {
+  return options.patch_detail == PatchDetail::kAsNeeded &&
+         options.factorization == Factorization::kPca &&
+         options.terms == EncodeOptions::kAsNeeded && !(options.tolerance > 0) &&
+         !options.compression.WantsAnything();
+}
 
 EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& options,
                     Progress& progress) {
@@ -261,32 +356,20 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   CheckSource(blended);
   CheckMapCompression(options.compression, blended.grid);
   const LightFieldSource source = FillDirections(blended, options, progress);
-  const std::vector<int> edge_samples = EdgeSamples(source);
-  const MeanView mean_view =
-      ComputeMeanView(source, FindSharedSamples(source.mesh.triangles, edge_samples),
-                      options.guessed_weight, progress);
-  const VertexRings rings = ComputeVertexRings(source.mesh);
-  const auto vertices = static_cast<int64_t>(source.mesh.vertices.size());
-  std::vector<VertexTerms> factors(vertices);
-  progress.Start("factorising", vertices);
-  ParallelFor(0, vertices, [&](int64_t v) {
-    factors[v] = FactorizeRing(source, mean_view, Ring(rings, v), static_cast<int>(v), options);
-    progress.Advance();
-  });
+  const Factors factors = Factorize(source, options, progress);
+  const MapCosts costs =
+      MeasureMapCosts(source, factors.edge_samples, factors.mean_view.codes, factors.vertices,
+                      ChoosesDetail(options) ? PatchDetail::kAsNeeded : PatchDetail::kFull);
+  MapSelection maps = ChooseMaps(source, factors.edge_samples, costs, options, progress);
   EncodeResult result;
-  result.unseen_triangles = mean_view.unseen_triangles;
-  result.model = LayOutModel(source, edge_samples,
-                             ChooseTerms(source, edge_samples, factors, options, progress),
-                             options.max_texture_size);
-  result.model.mean_in_terms = options.factorization == Factorization::kNmf;
-  for (size_t t = 0; t < edge_samples.size(); ++t) {
-    WriteMean(mean_view.codes[t], static_cast<int>(t), result.model);
+  result.unseen_triangles = factors.mean_view.unseen_triangles;
+  Coarsened coarsened;
+  if (ChoosesDetail(options)) {
+    coarsened = Coarsen(source, factors, costs, options, maps, progress);
+    maps = std::move(coarsened.maps);
   }
-  ParallelFor(0, vertices, [&](int64_t v) {
-    WriteVertexTerms(Ring(rings, v), factors[v].terms, static_cast<int>(v), result.model);
-  });
-  result.model = FillGutters(std::move(result.model));
-  Summarize(factors, source, result);
+  result.model = WholeModel(source, factors, maps.terms, options);
+  Summarize(factors.vertices, source, result);
   if (options.transport_db > 0 && !FitsTransportForm(result.model)) {
     progress.Note("the model is too large for the transport form: no model.lfz");
   } else if (options.transport_db > 0) {
@@ -295,9 +378,10 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   }
   if (options.compression.WantsAnything()) {
     Compress(source, options, progress, result);
-  } else {  // beside codebooks the masks would be a large part of the file
-    result.model.guessed = FindGuessedDirections(source);
+    return result;  // beside codebooks the masks would be a large part of the file
   }
+  if (ChoosesDetail(options)) TakeCoarsened(std::move(coarsened), source, result);
+  result.model.guessed = FindGuessedDirections(source);
   return result;
 }
 

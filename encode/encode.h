@@ -4,6 +4,7 @@
 #include "core/options.h"
 #include "core/progress.h"
 #include "encode/light_field_source.h"
+#include "encode/map_coarsening.h"
 #include "encode/map_compression.h"
 #include "encode/model.h"
 #include "encode/pca_solver.h"
@@ -33,6 +34,7 @@ struct EncodeOptions {
   double term_gain = 0.5;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
+  PatchDetail patch_detail = PatchDetail::kAsNeeded;  ///< kFull where terms are not as needed
   PcaSolver solver = PcaSolver::kFactored;
   Precision precision = Precision::kSingle;
   double guessed_weight = 0.2;
@@ -91,6 +93,11 @@ struct EncodeOptions {
          "of the factorisation grow with it.",
          "", 1, 16},
         max_terms);
+    v.Enumeration({"patch-detail",
+                   "Where terms are chosen as needed: each triangle keeps only as many samples of "
+                   "its mean view and of each term as are worth their bytes (as-needed), or all of "
+                   "them (full)."},
+                  {"as-needed", "full"}, patch_detail);
     v.Enumeration({"solver",
                    "What finds the terms: products with the factors; the paper's power iteration; "
                    "or every singular value in double precision. The last two form each vertex's "
@@ -121,6 +128,10 @@ struct EncodeOptions {
   }
 };
 
+/// Whether these options let each triangle keep fewer samples of its maps: patch_detail is
+/// kAsNeeded, and terms are chosen by gain or by one of the targets, plain maps of them.
+bool ChoosesDetail(const EncodeOptions& options);
+
 struct EncodeResult {
   LightFieldModel model;
   double terms_mean = 0;
@@ -133,7 +144,8 @@ struct EncodeResult {
   /// matrices F^v (hat-weighted, all grid directions alike, guessed ones too),
   /// mean squared error weighted by their number of entries (rows of triangles that some
   /// photograph saw, times 3N); -10 log10 of it, 99 at most.
-  /// With codebooks or blocks: of the model with these, its mean view's errors included.
+  /// With coarser patches, codebooks or blocks: of the model with these, its mean view's errors
+  /// included.
   /// This is the paper's "weighted average over all light field matrices" (Section 6.2); being
   /// hat-weighted it reads higher than the PSNR of a picture.
   double matrix_psnr_db = 0;
@@ -149,10 +161,11 @@ struct EncodeResult {
 
 /// Fills directions (a source without eyes, and nonnegative terms, by blending alone), then
 /// factorises every vertex light field (its hat-weighted blocks, in factored form), quantises in
-/// closed loop, chooses how many terms each vertex gets (term_selection.h), and tiles
-/// the maps, in memory and in transport form. Two runs give the same bytes, whatever the number of
-/// threads. Memory: the model, the 8-bit maps of all terms that may be chosen, and one vertex ring
-/// a thread.
+/// closed loop, chooses how many terms each vertex gets and how many samples each triangle keeps of
+/// them (map_selection.h; the latter where terms are chosen by gain or target, and maps are neither
+/// shared nor in blocks), and tiles the maps, in memory and in transport form. Two runs give the
+/// same bytes, whatever the number of threads. Memory: the model, the 8-bit maps of all terms that
+/// may be chosen, and one vertex ring a thread.
 ///
 /// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
 /// A tolerance or PSNR that max_terms do not reach gives all of them, and a note. Triangles that

@@ -90,6 +90,7 @@ void CopyFromSource(LightFieldModel& model, int triangle, const GridPoint& gutte
   const PatchPlacement& their = model.placements[source.triangle];
   std::copy_n(TexelAt(model.mean_pages[their.page], their, source.sample), 3,
               TexelAt(model.mean_pages[own.page], own, gutter));
+  if (!model.surface_placements.empty()) return;
   for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
     const std::array<uint8_t, 3> codes = SurfaceCodes(model, k, triangle, source);
     std::copy_n(codes.data(), 3, TexelAt(model.surface_pages[k][own.page], own, gutter));
@@ -108,7 +109,8 @@ void FillTriangle(LightFieldModel& model, const Eigen::Vector3i& neighbors, int 
   CopyFromSource(model, triangle, {0, n}, {triangle, {0, n - 1}});
   CompletePatch(model.mean_pages[placement.page], placement);
   for (int k = 0; k < model.TriangleTerms(triangle); ++k) {
-    CompletePatch(model.surface_pages[k][placement.page], placement);
+    const PatchPlacement& own = model.SurfacePlacement(k, triangle);
+    CompletePatch(model.surface_pages[k][own.page], own);
   }
 }
 

@@ -13,6 +13,7 @@ namespace lfm {
 /// - Beyond the legs (row and column -1): the neighbour's samples next to the edge; a corner map of
 ///   a vertex that the neighbour does not have goes on as zero. At a boundary, the edge's own.
 /// - At the ends: the nearest sample.
+/// Where surface maps lie by themselves (`surface_placements`) they have completions alone.
 /// Pages, placements and ranges must fit together, no patch be shared, and there be room (any model
 /// from LayOutModel). Returns the model.
 LightFieldModel FillGutters(LightFieldModel model);

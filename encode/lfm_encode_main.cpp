@@ -110,6 +110,13 @@ int main(int argc, char** argv) {
     if (output.afx != Afx::kOff && options.compression.WantsCodebooks()) {
       throw lfm::Error("--afx: AFX is written of whole maps; leave --vq-ratio and --vq-db out");
     }
+    if (output.afx != Afx::kOff && lfm::ChoosesDetail(options)) {
+      if (given("patch-detail")) {
+        throw lfm::Error("--afx: AFX is written of whole maps; leave --patch-detail out");
+      }
+      options.patch_detail = lfm::PatchDetail::kFull;
+      progress.Note("AFX is written of whole maps: --patch-detail full");
+    }
     lfm::RequireWritableFolder(work / "encode");
     const lfm::LightField light_field =
         lfm::LightField::Open(work / "resample" / "light_field.lfs");

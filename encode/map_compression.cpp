@@ -127,22 +127,6 @@ LightFieldModel SharePatches(const LightFieldModel& model, const MapScales& scal
   return shared;
 }
 
-// Each vertex's own tile, quantised with its own range.
-void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
-  const size_t vertices = views.size();
-  ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
-    for (int k = 0; k < model.vertex_terms[v]; ++k) {
-      const std::vector<float>& view = views[v].views[k];
-      const auto [low, high] = std::minmax_element(view.begin(), view.end());
-      const MapRange range = ViewRange(*low, *high);
-      model.view_ranges[k * vertices + v] = range;
-      std::vector<uint8_t> codes;
-      for (const float value : view) codes.push_back(QuantizeValue(range, value));
-      WriteTile(codes, k, model.ViewTile(k, static_cast<int>(v)), model);
-    }
-  });
-}
-
 }  // namespace
 
 void CheckMapCompression(const MapCompressionOptions& options, int grid) {

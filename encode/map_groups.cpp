@@ -137,7 +137,7 @@ std::optional<MapGroup> HalfResolution(const MapGroup& group) {
       for (int s = 0; s < samples; ++s) {
         patch[s] = from.values[i * from.dimensions + at(s, samples)];
       }
-      const std::vector<float> halved = HalvePatch(patch, n);
+      const std::vector<float> halved = SubsamplePatch(patch, n, (n + 1) / 2);
       for (int s = 0; s < fewer; ++s) {
         coarse.vectors.values[i * coarse.vectors.dimensions + at(s, fewer)] = halved[s];
       }

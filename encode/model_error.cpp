@@ -13,8 +13,9 @@
 namespace lfm {
 namespace {
 
-ModelError VertexError(const LightFieldSource& source, const LightFieldModel& model,
-                       std::span<const int> ring, int vertex) {
+// With the first 0, 1, ... terms of the vertex.
+std::vector<ModelError> VertexErrors(const LightFieldSource& source, const LightFieldModel& model,
+                                     std::span<const int> ring, int vertex) {
   const bool holds_mean = model.mean_in_terms && model.vertex_terms[vertex] > 0;
   const VertexOperator f = BuildVertexOperator(source, vertex, ring, [&](int triangle) {
     PatchMean mean = MeanAtResolution(model, triangle, source.patch(triangle).edge_samples);
@@ -26,6 +27,7 @@ ModelError VertexError(const LightFieldSource& source, const LightFieldModel& mo
     if (block.views > 0) error.entries += int64_t{block.samples} * f.cols();
   }
   error.squared_error = ComputeEnergies(f, std::vector<float>(f.directions, 1.f)).plain;
+  std::vector<ModelError> errors = {error};
   std::vector<DecodedTerm> terms;
   for (int k = 0; k < model.vertex_terms[vertex]; ++k) {
     const TermMaps maps = TermAtResolution(model, f, ring, vertex, k);
@@ -33,9 +35,9 @@ ModelError VertexError(const LightFieldSource& source, const LightFieldModel& mo
     DecodeSurface(f, maps, term);
     DecodeView(f, maps, term);
     error.squared_error += ErrorChange(terms);
+    errors.push_back({std::max(error.squared_error, 0.0), error.entries});
   }
-  error.squared_error = std::max(error.squared_error, 0.0);
-  return error;
+  return errors;
 }
 
 void CheckSameObject(const LightFieldSource& source, const LightFieldModel& model) {
@@ -60,21 +62,29 @@ double ModelError::psnr_db() const {
 }
 
 ModelError CompareWithLightField(const LightFieldSource& source, const LightFieldModel& model) {
+  return CompareByTerms(source, model).back();
+}
+
+std::vector<ModelError> CompareByTerms(const LightFieldSource& source,
+                                       const LightFieldModel& model) {
   ValidateModel(model, "the model");
   CheckSameObject(source, model);
   const VertexRings rings = ComputeVertexRings(source.mesh);
-  std::vector<ModelError> errors(source.mesh.vertices.size());
+  std::vector<std::vector<ModelError>> errors(source.mesh.vertices.size());
   ParallelFor(0, static_cast<int64_t>(errors.size()), [&](int64_t v) {
     const auto ring = std::span<const int>(rings.triangles)
                           .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
-    errors[v] = VertexError(source, model, ring, static_cast<int>(v));
+    errors[v] = VertexErrors(source, model, ring, static_cast<int>(v));
   });
-  ModelError total;
-  for (const ModelError& error : errors) {
-    total.squared_error += error.squared_error;
-    total.entries += error.entries;
+  std::vector<ModelError> totals(model.terms + 1);
+  for (const std::vector<ModelError>& own : errors) {
+    for (size_t k = 0; k < totals.size(); ++k) {
+      const ModelError& error = own[std::min(k, own.size() - 1)];
+      totals[k].squared_error += error.squared_error;
+      totals[k].entries += error.entries;
+    }
   }
-  return total;
+  return totals;
 }
 
 }  // namespace lfm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "encode/light_field_source.h"
 #include "encode/model.h"
@@ -20,5 +21,8 @@ struct ModelError {
 /// since (its coordinates and frames may have been rounded: not seen here). Mesh, patches and view
 /// grid must be those of the source, in the same order; throws Error where they are not.
 ModelError CompareWithLightField(const LightFieldSource& source, const LightFieldModel& model);
+/// The same with the first 0, 1, ... of each vertex's terms: one more than the model has.
+std::vector<ModelError> CompareByTerms(const LightFieldSource& source,
+                                       const LightFieldModel& model);
 
 }  // namespace lfm

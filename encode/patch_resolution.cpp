@@ -8,16 +8,36 @@
 #include "resample/light_field.h"
 
 namespace lfm {
+namespace {
 
-std::vector<float> HalvePatch(std::span<const float> values, int n) {
-  const int half = (n + 1) / 2;
-  std::vector<float> result(PatchSampleCount(half));
-  for (int j = 0; j < half; ++j) {
-    for (int i = 0; i + j < half; ++i) {
-      result[PatchSampleIndex(half, i, j)] = values[PatchSampleIndex(n, 2 * i, 2 * j)];
+template <typename T>
+std::vector<T> Subsample(std::span<const T> values, int from, int to) {
+  const int step = (from - 1) / (to - 1);
+  std::vector<T> result(PatchSampleCount(to));
+  for (int j = 0; j < to; ++j) {
+    for (int i = 0; i + j < to; ++i) {
+      result[PatchSampleIndex(to, i, j)] = values[PatchSampleIndex(from, step * i, step * j)];
     }
   }
   return result;
+}
+
+}  // namespace
+
+int CoarserEdgeSamples(int n) {
+  if (n <= 2) return 0;
+  for (const int step : {2, 3}) {
+    if ((n - 1) % step == 0) return (n - 1) / step + 1;
+  }
+  return 0;
+}
+
+std::vector<float> SubsamplePatch(std::span<const float> values, int from, int to) {
+  return Subsample(values, from, to);
+}
+
+std::vector<uint8_t> SubsamplePatch(std::span<const uint8_t> values, int from, int to) {
+  return Subsample(values, from, to);
 }
 
 std::vector<float> InterpolatePatch(std::span<const float> values, int from, int to) {

@@ -11,9 +11,13 @@
 
 namespace lfm {
 
-/// Every second sample of a patch of n samples an edge, n odd and at least 5: (n + 1) / 2 remain.
-/// `values` holds one number a sample.
-std::vector<float> HalvePatch(std::span<const float> values, int n);
+/// Samples an edge of the next coarser resolution: every second, or else every third; 0 where
+/// neither divides n - 1, and for n = 2.
+int CoarserEdgeSamples(int n);
+/// The samples of a patch of `from` samples an edge that one of `to` has too; to - 1 must divide
+/// from - 1. `values` holds one number a sample.
+std::vector<float> SubsamplePatch(std::span<const float> values, int from, int to);
+std::vector<uint8_t> SubsamplePatch(std::span<const uint8_t> values, int from, int to);
 /// The samples of a patch of `to` samples an edge where one of `from` is interpolated as
 /// EvaluateModel does: bilinearly, and linearly in the cells on the hypotenuse. Equal sizes give
 /// the same values.

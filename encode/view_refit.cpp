@@ -131,6 +131,21 @@ std::vector<FittedViews> RefitViews(const LightFieldSource& source, const LightF
   return views;
 }
 
+void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
+  const size_t vertices = views.size();
+  ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
+    for (int k = 0; k < model.vertex_terms[v]; ++k) {
+      const std::vector<float>& view = views[v].views[k];
+      const auto [low, high] = std::minmax_element(view.begin(), view.end());
+      const MapRange range = ViewRange(*low, *high);
+      model.view_ranges[k * vertices + v] = range;
+      std::vector<uint8_t> codes;
+      for (const float value : view) codes.push_back(QuantizeValue(range, value));
+      WriteTile(codes, k, model.ViewTile(k, static_cast<int>(v)), model);
+    }
+  });
+}
+
 LightFieldModel FitViewRanges(LightFieldModel model, const std::vector<FittedViews>& views) {
   const size_t vertices = views.size();
   ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {

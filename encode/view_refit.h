@@ -27,6 +27,10 @@ struct FittedViews {
 std::vector<FittedViews> RefitViews(const LightFieldSource& source, const LightFieldModel& model,
                                     double guessed_weight);
 
+/// Quantises each vertex's view maps with ranges of their own and writes them to its tiles, which
+/// no other vertex shares.
+void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model);
+
 /// The ranges of view maps (scale and bias of each term) with which the codes in the model's pages
 /// come nearest to the fitted maps, in the light field: least squares over all terms of a vertex.
 /// A scale below zero becomes zero. Returns the model.

@@ -51,7 +51,7 @@ void ApplyConditions(const PhotoShoot& shoot, const PhotoConditions& conditions,
 
 TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from_world,
                      PhotoSplit split, const PhotoConditions& conditions) {
-  PhotoRenderer render = shoot.render;
+  PhotoRenderer render = split == PhotoSplit::kTest ? shoot.render_test : shoot.render;
   if (conditions.occluded) {
     RandomStream random(shoot.seed, kOccluderStream, static_cast<uint64_t>(index));
     render = shoot.render_occluded(MakeOccluder(shoot.trouble.occluder, shoot.rays.camera(),
@@ -68,7 +68,7 @@ TakenPhoto TakePhoto(const PhotoShoot& shoot, int index, const Pose& camera_from
   if (split == PhotoSplit::kTest) {
     taken.clean = Image(width, height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
     RenderedPhoto open;
-    if (conditions.occluded) open = shoot.render(shoot.rays, camera_from_world);
+    if (conditions.occluded) open = shoot.render_test(shoot.rays, camera_from_world);
     const float* in = (conditions.occluded ? open : sharp).radiance.Data<float>();
     uint8_t* out = taken.clean.Data<uint8_t>();
     for (size_t i = 0; i < taken.clean.size(); ++i) out[i] = EncodeSrgb8(shoot.exposure * in[i]);

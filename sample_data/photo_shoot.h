@@ -22,7 +22,7 @@ namespace lfm {
 struct PhotoShoot {
   const PixelRays& rays;
   const PhotoTrouble& trouble;
-  PhotoRenderer render;
+  PhotoRenderer render, render_test;  ///< training and held-out photographs
   /// Renders the scene with this in the way, its shadow included.
   std::function<PhotoRenderer(const Occluder&)> render_occluded;
   Sensor sensor;

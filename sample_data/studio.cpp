@@ -129,16 +129,19 @@ class Studio {
     progress_.Advance();
   }
 
+  // With `times` as many samples as usual.
+  std::unique_ptr<PhotoSource> TracedScene(int times) const {
+    const int usual_samples = options_.tiny ? kTinySamples : 16;
+    return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
+                            times * options_.SamplesPerPixel(usual_samples),
+                            options_.quality == RenderQuality::kReference
+                                ? std::numeric_limits<double>::infinity()
+                                : kIndirectLimit,
+                            seed_);
+  }
+
   std::unique_ptr<PhotoSource> LightScene() {
-    if (scene_description_) {
-      const int usual_samples = options_.tiny ? kTinySamples : 16;
-      return MakeTracedSource(*scene_description_, scene_->patches(), reflectance_,
-                              options_.SamplesPerPixel(usual_samples),
-                              options_.quality == RenderQuality::kReference
-                                  ? std::numeric_limits<double>::infinity()
-                                  : kIndirectLimit,
-                              seed_);
-    }
+    if (scene_description_) return TracedScene(1);
     BakeOptions bake;
     bake.seed = seed_;
     bake.gather_rays = options_.SamplesPerPixel(bake.gather_rays);
@@ -176,12 +179,21 @@ class Studio {
     const PhotoRenderer render = [&](const PixelRays& r, const Pose& camera_from_world) {
       return source->Render(r, camera_from_world);
     };
+    PhotoRenderer render_test = render;
+    std::unique_ptr<PhotoSource> finer;
+    if (scene_description_ && options_.test_light > 1) {
+      finer = TracedScene(options_.test_light);
+      render_test = [&](const PixelRays& r, const Pose& camera_from_world) {
+        return finer->Render(r, camera_from_world);
+      };
+    }
     const auto render_occluded = [&](const Occluder& occluder) {
       return source->WithOccluder(occluder);
     };
     const PhotoShoot shoot{rays,
                            trouble,
                            render,
+                           render_test,
                            render_occluded,
                            sensor_,
                            static_cast<float>(kPaperLevel / source->BrightestPaper()),

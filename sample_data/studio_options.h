@@ -21,6 +21,7 @@ struct StudioOptions {
   std::string board;  ///< a board file; empty: DefaultBoard
   int seed = 1;
   RenderQuality quality = RenderQuality::kDefault;
+  int test_light = 1;
   int transport_channels = 1;
   bool tiny = false;
   int photos = 120, test_photos = 16;
@@ -49,6 +50,11 @@ struct StudioOptions {
          "Samples of light: a quarter, the usual, or 16 times as many, a sensor without noise "
          "(--sensor-noise) and no limit to the light of one path."},
         {"draft", "default", "reference"}, quality);
+    v.Integer({"test-light",
+               "Times as many samples of light for the held-out photographs of scenes whose paths "
+               "are traced: so that they measure a model and not their own grain.",
+               "", 1, 256},
+              test_light);
     v.Integer({"transport-channels", "Colour channels of a transport matrix: 1 (their mean) or 3.",
                "", 1, 3},
               transport_channels);

@@ -256,7 +256,7 @@ TEST(PatchResolution, LinearFunctionsComeBack) {
             3.f + 2.f * static_cast<float>(i) - static_cast<float>(j);
       }
     }
-    const std::vector<float> half = HalvePatch(values, n);
+    const std::vector<float> half = SubsamplePatch(std::span<const float>(values), n, (n + 1) / 2);
     ASSERT_EQ(static_cast<int>(half.size()), PatchSampleCount((n + 1) / 2));
     const std::vector<float> back = InterpolatePatch(half, (n + 1) / 2, n);
     for (size_t s = 0; s < values.size(); ++s) EXPECT_NEAR(back[s], values[s], 1e-4);

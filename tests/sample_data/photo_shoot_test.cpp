@@ -51,7 +51,8 @@ class PhotoShootTest : public testing::Test {
   }
   TakenPhoto Take(const PhotoTrouble& trouble, const PhotoConditions& conditions,
                   PhotoSplit split = PhotoSplit::kTest, Sensor sensor = {1e12, 0}) const {
-    const PhotoShoot shoot{rays_, trouble, StripedPlanes, Covered(), sensor, 0.3f, V3(0, 0, 0), 5};
+    const PhotoShoot shoot{
+        rays_, trouble, StripedPlanes, StripedPlanes, Covered(), sensor, 0.3f, V3(0, 0, 0), 5};
     return TakePhoto(shoot, 3, pose_, split, conditions);
   }
   // The planes with something drawn over them.
@@ -195,7 +196,8 @@ TEST_F(PhotoShootTest, WhatIsInTheWayCoversPictureAndMaskButNotTheCleanPicture) 
   EXPECT_EQ(photo.clean.Bytes(), plain.clean.Bytes());
   // The next photograph has it elsewhere.
   const PhotoTrouble none;
-  const PhotoShoot shoot{rays_, none, StripedPlanes, Covered(), {1e12, 0}, 0.3f, V3(0, 0, 0), 5};
+  const PhotoShoot shoot{
+      rays_, none, StripedPlanes, StripedPlanes, Covered(), {1e12, 0}, 0.3f, V3(0, 0, 0), 5};
   const TakenPhoto next = TakePhoto(shoot, 4, pose_, PhotoSplit::kTrain, conditions);
   EXPECT_NE(next.mask.Bytes(), photo.mask.Bytes());
 }

@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 #include "core/image_metrics.h"
+#include "encode/gutters.h"
+#include "encode/map_coarsening.h"
+#include "encode/model_layout.h"
+#include "encode/patch_resolution.h"
 #include "synthetic_model.h"
 #include "viewer/egl_context.h"
 #include "viewer/gl_framebuffer.h"
@@ -78,6 +83,42 @@ LightFieldModel Sharing(LightFieldModel model) {
   return model;
 }
 
+/// Each triangle keeps every sample, or fewer, of its mean view and of each term by itself.
+LightFieldModel Coarser(const LightFieldModel& model) {
+  std::mt19937 random(9);
+  std::vector<std::vector<uint8_t>> levels(model.placements.size());
+  const auto level = [&](int t) {
+    const int n = model.placements[t].edge_samples;
+    int most = 0;
+    for (int to = CoarserEdgeSamples(n); to > 0; to = CoarserEdgeSamples(to)) ++most;
+    return static_cast<uint8_t>(random() % (most + 1));
+  };
+  for (int t = 0; t < static_cast<int>(levels.size()); ++t) {
+    for (int k = 0; k <= model.TriangleTerms(t); ++k) levels[t].push_back(level(t));
+  }
+  LightFieldModel coarse = LayOutCoarsened(model, levels, 512);
+  const auto copy = [](const Image& from_page, const PatchPlacement& from, Image& to_page,
+                       const PatchPlacement& to) {
+    for (int c = 0; c < 3; ++c) {
+      const std::vector<uint8_t> codes = ReadPatch(from_page, from, c, 1);
+      const std::vector<uint8_t> kept =
+          SubsamplePatch(std::span<const uint8_t>(codes), from.edge_samples, to.edge_samples);
+      WritePatch(to_page, to, kept.data(), c, 1);
+    }
+    CompletePatch(to_page, to);
+  };
+  for (int t = 0; t < static_cast<int>(levels.size()); ++t) {
+    const PatchPlacement& from = model.placements[t];
+    const PatchPlacement& mean = coarse.placements[t];
+    copy(model.mean_pages[from.page], from, coarse.mean_pages[mean.page], mean);
+    for (int k = 0; k < model.TriangleTerms(t); ++k) {
+      const PatchPlacement& to = coarse.SurfacePlacement(k, t);
+      copy(model.surface_pages[k][from.page], from, coarse.surface_pages[k][to.page], to);
+    }
+  }
+  return coarse;
+}
+
 class GlCompressedModel : public testing::Test {
  protected:
   void ExpectSamePictures(const LightFieldModel& model) {
@@ -121,6 +162,16 @@ class GlCompressedModel : public testing::Test {
 TEST_F(GlCompressedModel, CodebooksAreShownAsTheReferenceShowsThem) {
   const LightFieldModel model = Sharing(MakeSmoothRandomModel(1, DirectionMap::kHemiOctahedral));
   ASSERT_GT(model.mean_pages.size(), 1u);
+  ExpectSamePictures(model);
+}
+
+TEST_F(GlCompressedModel, CoarserPatchesAreShownAsTheReferenceShowsThem) {
+  const LightFieldModel model = Coarser(MakeSmoothRandomModel(4, DirectionMap::kHemiOctahedral));
+  std::set<int> sizes;
+  for (const auto& term : model.surface_placements) {
+    for (const PatchPlacement& placement : term) sizes.insert(placement.edge_samples);
+  }
+  ASSERT_GT(sizes.size(), 2u);
   ExpectSamePictures(model);
 }
 

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/map_coarsening.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/parallel.h"
+#include "encode/gutters.h"
+#include "encode/mean_view.h"
+#include "encode/model_layout.h"
+#include "encode/patch_resolution.h"
+#include "encode/quantization.h"
+#include "encode/tiling.h"
+#include "encode/view_refit.h"
+
+namespace lfm {
+namespace {
+
+std::span<const int> Ring(const VertexRings& rings, int64_t vertex) {
+  return std::span(rings.triangles)
+      .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]);
+}
+
+std::vector<float> AsFloats(std::span<const uint8_t> codes, size_t first, size_t step) {
+  std::vector<float> values;
+  values.reserve(codes.size() / step);
+  for (size_t i = first; i < codes.size(); i += step) values.push_back(codes[i]);
+  return values;
+}
+
+// Squared changes of each sample of a patch when only samples of a resolution `to` are kept.
+std::vector<double> SquaredChanges(std::span<const float> values, int from, int to) {
+  const std::vector<float> back = InterpolatePatch(SubsamplePatch(values, from, to), to, from);
+  std::vector<double> changes;
+  changes.reserve(values.size());
+  for (size_t s = 0; s < values.size(); ++s) {
+    const double change = static_cast<double>(values[s]) - back[s];
+    changes.push_back(change * change);
+  }
+  return changes;
+}
+
+// Over the three vertices whose matrices hold the sample: the sum of squared hat weights.
+std::vector<double> HatSquares(int n) {
+  std::vector<double> weights;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i + j < n; ++i) {
+      const double b = static_cast<double>(i) / (n - 1), c = static_cast<double>(j) / (n - 1);
+      weights.push_back((1 - b - c) * (1 - b - c) + b * b + c * c);
+    }
+  }
+  return weights;
+}
+
+double ViewEnergy(const TermMaps& maps) {
+  double sum = 0;
+  for (const uint8_t code : maps.view_codes) {
+    const double value = DecodeValue(maps.view_range, code);
+    sum += value * value;
+  }
+  return sum;
+}
+
+// 3 a texel, half of the rectangle that two triangles share; each placement a term has is counted.
+constexpr int64_t kPlacementBytes = 8;
+int64_t PatchBytes(int n) { return int64_t{3} * (n + 2) * (n + 1) / 2 + kPlacementBytes; }
+int64_t PatchBytesWithGutters(int n) { return int64_t{3} * (n + 4) * (n + 3) / 2; }
+
+void AddMeanLevels(std::span<const uint8_t> codes, int n, int grid, PatchCosts& costs) {
+  const std::vector<double> weights = HatSquares(n);
+  for (int to = n; to > 0; to = CoarserEdgeSamples(to)) {
+    costs.mean_bytes.push_back(PatchBytesWithGutters(to));
+    costs.term_bytes.push_back(PatchBytes(to));
+    double error = 0;
+    for (size_t c = 0; c < 3 && to < n; ++c) {
+      const std::vector<double> changes = SquaredChanges(AsFloats(codes, c, 3), n, to);
+      for (size_t s = 0; s < changes.size(); ++s) error += weights[s] * changes[s];
+    }
+    costs.mean_errors.push_back(error * grid * grid / (255.0 * 255.0));
+  }
+}
+
+// Writes into the places of the vertex' own corner: vertices may run at once.
+void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, int vertex,
+                   std::span<const int> edge_samples, std::span<const TermMaps> terms,
+                   std::vector<PatchCosts>& patches) {
+  for (size_t k = 0; k < terms.size(); ++k) {
+    const double scale = terms[k].surface_range.scale / 255;
+    const double energy = scale * scale * ViewEnergy(terms[k]);
+    size_t first = 0;
+    for (const int triangle : ring) {
+      const int n = edge_samples[triangle];
+      const std::vector<float> values =
+          AsFloats(std::span(terms[k].surface_codes).subspan(first, PatchSampleCount(n)), 0, 1);
+      first += values.size();
+      PatchCosts& patch = patches[triangle];
+      const int corner = CornerOf(source.mesh.triangles[triangle], vertex);
+      float* errors = patch.term_errors.data() + (3 * k + corner) * patch.levels();
+      for (int to = CoarserEdgeSamples(n); to > 0; to = CoarserEdgeSamples(to)) {
+        double error = 0;
+        for (const double change : SquaredChanges(values, n, to)) error += change;
+        *++errors = static_cast<float>(error * energy);
+      }
+    }
+  }
+}
+
+int AtLevel(int n, int level) {
+  for (; level > 0; --level) n = CoarserEdgeSamples(n);
+  return n;
+}
+
+// Whether no completion beyond a hypotenuse leaves the range's codes.
+bool HoldsExtent(const MapRange& range, const Extent& extent) {
+  constexpr float kRounding = 0.01f;  // in codes, which are whole numbers
+  if (!(range.scale > 0)) return true;
+  const float low = 255 * (extent.low - range.bias) / range.scale;
+  const float high = 255 * (extent.high - range.bias) / range.scale;
+  return low > -kRounding && high < 255 + kRounding;
+}
+
+// The surface map of a vertex over its ring in the resolutions of `to`; with a range of its own
+// where coarser completions leave that of the finer map.
+void CoarsenSurface(const LightFieldModel& model, std::span<const int> ring,
+                    std::span<const int> to, TermMaps& maps) {
+  std::vector<Eigen::Vector3i> triangles;
+  std::vector<std::vector<uint8_t>> patches;
+  size_t first = 0;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    triangles.push_back(model.mesh.triangles[ring[i]]);
+    const int n = model.placements[ring[i]].edge_samples;
+    const auto own = std::span(maps.surface_codes).subspan(first, PatchSampleCount(n));
+    first += own.size();
+    patches.push_back(SubsamplePatch(std::span<const uint8_t>(own), n, to[i]));
+  }
+  std::vector<uint8_t*> pointers;
+  for (auto& patch : patches) pointers.push_back(patch.data());
+  const SharedSamples shared = FindSharedSamples(triangles, to);
+  MakeCodesContinuous(shared, 1, pointers);
+  maps.surface_codes.clear();
+  std::vector<float> values;
+  for (const auto& patch : patches) {
+    maps.surface_codes.insert(maps.surface_codes.end(), patch.begin(), patch.end());
+    for (const uint8_t code : patch) values.push_back(DecodeValue(maps.surface_range, code));
+  }
+  const Extent extent = SurfaceExtent(to, values);
+  if (!HoldsExtent(maps.surface_range, extent)) {
+    QuantizeSurface(to, shared, values, extent, 1, maps);
+  }
+}
+
+void WriteCoarserMeans(const LightFieldModel& from, LightFieldModel& to) {
+  std::vector<std::vector<float>> means;
+  std::vector<int> edge_samples;
+  for (size_t t = 0; t < to.placements.size(); ++t) {
+    const int n = from.placements[t].edge_samples;
+    edge_samples.push_back(to.placements[t].edge_samples);
+    const std::vector<uint8_t> codes = ReadMean(from, static_cast<int>(t));
+    std::vector<float>& own = means.emplace_back(size_t{3} * PatchSampleCount(edge_samples[t]));
+    for (size_t c = 0; c < 3; ++c) {
+      const std::vector<float> channel = AsFloats(codes, c, 3);
+      const std::vector<float> kept =
+          SubsamplePatch(std::span<const float>(channel), n, edge_samples[t]);
+      for (size_t s = 0; s < kept.size(); ++s) own[3 * s + c] = kept[s] / 255;
+    }
+  }
+  const std::vector<uint8_t> measured(means.size(), 1);
+  const auto codes = ContinuousMeanCodes(FindSharedSamples(to.mesh.triangles, edge_samples),
+                                         edge_samples, measured, std::move(means));
+  for (size_t t = 0; t < codes.size(); ++t) WriteMean(codes[t], static_cast<int>(t), to);
+}
+
+void WriteCoarserTerms(const LightFieldModel& from, LightFieldModel& to) {
+  const VertexRings rings = ComputeVertexRings(from.mesh);
+  ParallelFor(0, static_cast<int64_t>(from.vertex_terms.size()), [&](int64_t v) {
+    const auto vertex = static_cast<int>(v);
+    const std::span<const int> ring = Ring(rings, v);
+    std::vector<TermMaps> terms;
+    for (int k = 0; k < from.vertex_terms[v]; ++k) {
+      std::vector<int> edge_samples;
+      for (const int t : ring) edge_samples.push_back(to.SurfacePlacement(k, t).edge_samples);
+      CoarsenSurface(from, ring, edge_samples,
+                     terms.emplace_back(ReadVertexTerm(from, ring, vertex, k)));
+    }
+    WriteVertexTerms(ring, terms, vertex, to);
+  });
+}
+
+}  // namespace
+
+MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> edge_samples,
+                         std::span<const std::vector<uint8_t>> mean_codes,
+                         std::span<const VertexTerms> vertices, PatchDetail detail) {
+  MapCosts costs{source.mesh, {}, {}, {}, int64_t{3} * source.grid * source.grid};
+  for (const VertexTerms& vertex : vertices) {
+    costs.squared_errors.push_back(vertex.squared_errors);
+    costs.entries.push_back(vertex.entries);
+  }
+  costs.patches.resize(edge_samples.size());
+  const bool coarser = detail == PatchDetail::kAsNeeded;
+  ParallelFor(
+      0, static_cast<int64_t>(edge_samples.size()),
+      [&](int64_t t) {
+        PatchCosts& patch = costs.patches[t];
+        const int64_t bytes = PatchBytesWithGutters(edge_samples[t]);
+        if (!coarser) {
+          patch = {{bytes}, {bytes}, {0}, {}};
+          return;
+        }
+        AddMeanLevels(mean_codes[t], edge_samples[t], source.grid, patch);
+        size_t terms = 0;
+        for (const int v : source.mesh.triangles[t]) {
+          terms = std::max(terms, vertices[v].terms.size());
+        }
+        patch.term_errors.assign(3 * terms * patch.levels(), 0.f);
+      },
+      16);
+  if (!coarser) return costs;
+  const VertexRings rings = ComputeVertexRings(source.mesh);
+  ParallelFor(
+      0, static_cast<int64_t>(vertices.size()),
+      [&](int64_t v) {
+        AddTermErrors(source, Ring(rings, v), static_cast<int>(v), edge_samples, vertices[v].terms,
+                      costs.patches);
+      },
+      16);
+  return costs;
+}
+
+LightFieldModel LayOutCoarsened(const LightFieldModel& model,
+                                std::span<const std::vector<uint8_t>> levels,
+                                int max_texture_size) {
+  LightFieldModel coarse = model;
+  std::vector<int> edge_samples;
+  for (size_t t = 0; t < levels.size(); ++t) {
+    edge_samples.push_back(AtLevel(model.placements[t].edge_samples, levels[t][0]));
+  }
+  PatchLayout mean = PlacePatches(edge_samples, {}, max_texture_size);
+  coarse.placements = std::move(mean.placements);
+  coarse.mean_pages = MakePages(mean.page_sizes);
+  for (int k = 0; k < model.terms; ++k) {
+    std::vector<int> owners, sizes;
+    for (size_t t = 0; t < levels.size(); ++t) {
+      if (model.TriangleTerms(static_cast<int>(t)) <= k) continue;
+      owners.push_back(static_cast<int>(t));
+      sizes.push_back(AtLevel(model.placements[t].edge_samples, levels[t][k + 1]));
+    }
+    const PatchLayout layout =
+        PlacePatches(sizes, {}, max_texture_size, PatchSpacing::kCompletions);
+    coarse.surface_pages[k] = MakePages(layout.page_sizes);
+    coarse.surface_placements.emplace_back(levels.size(), PatchPlacement{});
+    for (size_t i = 0; i < owners.size(); ++i) {
+      coarse.surface_placements[k][owners[i]] = layout.placements[i];
+    }
+    std::vector<int>& tiles = coarse.view_codes.emplace_back(model.view_slots);
+    for (size_t v = 0; v < tiles.size(); ++v) tiles[v] *= model.vertex_terms[v] > k ? 1 : 0;
+  }
+  return coarse;
+}
+
+LightFieldModel CoarsenMaps(const LightFieldSource& source, const LightFieldModel& model,
+                            std::span<const std::vector<uint8_t>> levels, double guessed_weight,
+                            int max_texture_size) {
+  LightFieldModel coarse = LayOutCoarsened(model, levels, max_texture_size);
+  WriteCoarserMeans(model, coarse);
+  WriteCoarserTerms(model, coarse);
+  coarse = FillGutters(std::move(coarse));
+  const std::vector<FittedViews> views = RefitViews(source, coarse, guessed_weight);
+  WriteViews(views, coarse);
+  coarse = FitViewRanges(std::move(coarse), views);
+  ValidateModel(coarse, "the coarsened model");
+  return coarse;
+}
+
+}  // namespace lfm

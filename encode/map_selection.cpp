@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/map_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lfm {
+namespace {
+
+constexpr int kSweeps = 8;
+constexpr int kBisections = 40;
+
+// Bits of the corners of a triangle that have a term.
+int CornersWith(const Eigen::Vector3i& corners, int term, const std::vector<int>& terms) {
+  int bits = 0;
+  for (int c = 0; c < 3; ++c) bits |= (terms[corners[c]] > term ? 1 : 0) << c;
+  return bits;
+}
+
+int TermsOf(const Eigen::Vector3i& corners, const std::vector<int>& terms) {
+  return std::max({terms[corners[0]], terms[corners[1]], terms[corners[2]]});
+}
+
+// A vertex's choice when its neighbours keep theirs.
+int BestTerms(const MapCosts& costs, const VertexRings& rings, int vertex, double lambda,
+              const std::vector<int>& terms) {
+  const std::vector<double>& errors = costs.squared_errors[vertex];
+  int best = 0;
+  double patches = 0, least = errors[0];
+  for (int k = 1; k < static_cast<int>(errors.size()); ++k) {
+    for (int e = rings.offsets[vertex]; e < rings.offsets[vertex + 1]; ++e) {
+      const Eigen::Vector3i& corners = costs.mesh.triangles[rings.triangles[e]];
+      const PatchCosts& patch = costs.patches[rings.triangles[e]];
+      const int own = corners[0] == vertex ? 1 : corners[1] == vertex ? 2 : 4;
+      const int others = CornersWith(corners, k - 1, terms) & ~own;
+      patches +=
+          patch.TermCost(k - 1, others | own, lambda) - patch.TermCost(k - 1, others, lambda);
+    }
+    const double cost = errors[k] + patches + lambda * static_cast<double>(k * costs.view_bytes);
+    if (cost < least) {
+      least = cost;
+      best = k;
+    }
+  }
+  return best;
+}
+
+MapSelection WithLevels(const MapCosts& costs, std::vector<int> terms, double lambda) {
+  MapSelection maps{std::move(terms), {}};
+  for (size_t t = 0; t < costs.patches.size(); ++t) {
+    const Eigen::Vector3i& corners = costs.mesh.triangles[t];
+    std::vector<uint8_t>& levels = maps.levels.emplace_back();
+    levels.push_back(static_cast<uint8_t>(costs.patches[t].BestMeanLevel(lambda)));
+    for (int k = 0; k < TermsOf(corners, maps.terms); ++k) {
+      levels.push_back(static_cast<uint8_t>(
+          costs.patches[t].BestTermLevel(k, CornersWith(corners, k, maps.terms), lambda)));
+    }
+  }
+  return maps;
+}
+
+MapSelection Descend(const MapCosts& costs, const VertexRings& rings, double lambda,
+                     std::vector<int> terms) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool changed = false;
+    for (int v = 0; v < static_cast<int>(terms.size()); ++v) {
+      const int best = BestTerms(costs, rings, v, lambda, terms);
+      changed = changed || best != terms[v];
+      terms[v] = best;
+    }
+    if (!changed) break;
+  }
+  return WithLevels(costs, std::move(terms), lambda);
+}
+
+MapSelection NoTerms(const MapCosts& costs) {
+  return WithLevels(costs, std::vector<int>(costs.entries.size(), 0), INFINITY);
+}
+
+enum class Wanted { kFewestBytes, kLeastError };
+
+// The fewest or the most maps, as lambda goes, that `fits`.
+template <typename Fits>
+MapSelection Search(const MapCosts& costs, Wanted wanted, const MapSelection& fallback,
+                    const Fits& fits) {
+  const VertexRings rings = ComputeVertexRings(costs.mesh);
+  const std::vector<int> all = AllMaps(costs).terms;
+  double energy = 0;
+  for (const auto& errors : costs.squared_errors) energy += errors.front();
+  for (const PatchCosts& patch : costs.patches) energy += patch.mean_errors.back();
+  if (!(energy > 0)) return NoTerms(costs);
+  // A term may at most take all energy for one byte, and must at least be worth rounding errors.
+  double high = std::log(energy), low = std::log(energy * 1e-16);
+  MapSelection best = fallback;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = (low + high) / 2;
+    MapSelection maps = Descend(costs, rings, std::exp(middle), all);
+    const bool fitting = fits(maps);
+    if (fitting) best = std::move(maps);
+    (fitting == (wanted == Wanted::kFewestBytes) ? low : high) = middle;
+  }
+  return best;
+}
+
+}  // namespace
+
+double PatchCosts::TermError(int term, int corners, int level) const {
+  if (level == 0) return 0;
+  double error = 0;
+  for (int c = 0; c < 3; ++c) {
+    if ((corners >> c & 1) == 0) continue;
+    const size_t at = (size_t{3} * term + c) * term_bytes.size() + level;
+    error += term_errors[at];
+  }
+  return error;
+}
+
+int PatchCosts::BestMeanLevel(double lambda) const {
+  if (lambda == INFINITY) return levels() - 1;
+  int best = 0;
+  const auto cost = [&](int level) {
+    return mean_errors[level] + lambda * static_cast<double>(mean_bytes[level]);
+  };
+  for (int level = 1; level < levels(); ++level) {
+    if (cost(level) < cost(best)) best = level;
+  }
+  return best;
+}
+
+int PatchCosts::BestTermLevel(int term, int corners, double lambda) const {
+  if (lambda == INFINITY) return levels() - 1;
+  int best = 0;
+  const auto cost = [&](int level) {
+    return TermError(term, corners, level) + lambda * static_cast<double>(term_bytes[level]);
+  };
+  for (int level = 1; level < levels(); ++level) {
+    if (cost(level) < cost(best)) best = level;
+  }
+  return best;
+}
+
+double PatchCosts::TermCost(int term, int corners, double lambda) const {
+  if (corners == 0) return 0;
+  const int level = BestTermLevel(term, corners, lambda);
+  return TermError(term, corners, level) + lambda * static_cast<double>(term_bytes[level]);
+}
+
+double MapCosts::SquaredError(const MapSelection& maps) const {
+  double sum = 0;
+  for (size_t v = 0; v < maps.terms.size(); ++v) sum += squared_errors[v][maps.terms[v]];
+  for (size_t t = 0; t < patches.size(); ++t) {
+    const std::vector<uint8_t>& levels = maps.levels[t];
+    sum += patches[t].mean_errors[levels[0]];
+    for (int k = 0; k + 1 < static_cast<int>(levels.size()); ++k) {
+      sum += patches[t].TermError(k, CornersWith(mesh.triangles[t], k, maps.terms), levels[k + 1]);
+    }
+  }
+  return sum;
+}
+
+int64_t MapCosts::Bytes(const MapSelection& maps) const {
+  int64_t bytes = 0;
+  for (const int k : maps.terms) bytes += k * view_bytes;
+  for (size_t t = 0; t < patches.size(); ++t) {
+    const std::vector<uint8_t>& levels = maps.levels[t];
+    bytes += patches[t].mean_bytes[levels[0]];
+    for (size_t k = 1; k < levels.size(); ++k) bytes += patches[t].term_bytes[levels[k]];
+  }
+  return bytes;
+}
+
+MapSelection AllMaps(const MapCosts& costs) {
+  std::vector<int> terms;
+  for (const auto& errors : costs.squared_errors) {
+    terms.push_back(static_cast<int>(errors.size()) - 1);
+  }
+  return WithLevels(costs, std::move(terms), 0);
+}
+
+MapSelection MapsForTolerance(const MapCosts& costs, double rms) {
+  std::vector<int> terms;
+  for (size_t v = 0; v < costs.entries.size(); ++v) {
+    const std::vector<double>& errors = costs.squared_errors[v];
+    const double allowed = rms * rms * static_cast<double>(costs.entries[v]);
+    int k = 0;
+    while (k + 1 < static_cast<int>(errors.size()) && errors[k] > allowed) ++k;
+    terms.push_back(k);
+  }
+  return WithLevels(costs, std::move(terms), 0);
+}
+
+MapSelection MapsForLambda(const MapCosts& costs, double lambda) {
+  return Descend(costs, ComputeVertexRings(costs.mesh), lambda, AllMaps(costs).terms);
+}
+
+MapSelection MapsForGain(const MapCosts& costs, double rms) {
+  const auto vertices = static_cast<double>(costs.entries.size());
+  double bytes = vertices * static_cast<double>(costs.view_bytes);
+  for (const PatchCosts& patch : costs.patches) {
+    bytes += static_cast<double>(patch.term_bytes.front());
+  }
+  const auto entries =
+      static_cast<double>(std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0}));
+  return MapsForLambda(costs, bytes > 0 ? rms * rms * entries / bytes : 0);
+}
+
+MapSelection MapsForError(const MapCosts& costs, double squared_error) {
+  return Search(costs, Wanted::kFewestBytes, AllMaps(costs), [&](const MapSelection& maps) {
+    return costs.SquaredError(maps) <= squared_error;
+  });
+}
+
+MapSelection MapsForBytes(const MapCosts& costs, int64_t bytes) {
+  return Search(costs, Wanted::kLeastError, NoTerms(costs),
+                [&](const MapSelection& maps) { return costs.Bytes(maps) <= bytes; });
+}
+
+}  // namespace lfm

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "encode/map_coarsening.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/error.h"
+#include "encode/encode.h"
+#include "encode/glb.h"
+#include "encode/model_error.h"
+#include "encode/model_evaluation.h"
+#include "encode/patch_resolution.h"
+#include "tests/encode/edge_jump.h"
+#include "tests/encode/model_oracle.h"
+#include "tests/encode/synthetic_light_field.h"
+
+namespace lfm::testing {
+namespace {
+
+TEST(PatchResolution, CoarserSizesShareSamples) {
+  EXPECT_EQ(CoarserEdgeSamples(49), 25);
+  EXPECT_EQ(CoarserEdgeSamples(7), 4);
+  EXPECT_EQ(CoarserEdgeSamples(4), 2);
+  EXPECT_EQ(CoarserEdgeSamples(3), 2);
+  EXPECT_EQ(CoarserEdgeSamples(2), 0);
+  EXPECT_EQ(CoarserEdgeSamples(6), 0) << "five segments";
+  std::vector<float> linear;
+  std::vector<uint8_t> codes;
+  for (int j = 0; j < 13; ++j) {
+    for (int i = 0; i + j < 13; ++i) {
+      linear.push_back(static_cast<float>(3 * i - 2 * j + 1));
+      codes.push_back(static_cast<uint8_t>(10 * i + j));
+    }
+  }
+  for (const int to : {7, 4, 2}) {
+    const std::vector<float> kept = SubsamplePatch(std::span<const float>(linear), 13, to);
+    ASSERT_EQ(kept.size(), PatchSampleCount(to));
+    const std::vector<float> back = InterpolatePatch(kept, to, 13);
+    for (size_t s = 0; s < linear.size(); ++s) EXPECT_NEAR(back[s], linear[s], 1e-4) << to;
+    const int step = 12 / (to - 1);
+    EXPECT_EQ(SubsamplePatch(std::span<const uint8_t>(codes), 13, to)[PatchSampleIndex(to, 1, 0)],
+              10 * step);
+  }
+}
+
+// Paint varies on one half; the other is plain, and glossy all over.
+Eigen::Vector3d HalfPainted(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye) {
+  const Eigen::Vector3d paint =
+      p.x() < 0 ? Eigen::Vector3d(0.4, 0.4, 0.4)
+                : Eigen::Vector3d(0.4 + 0.2 * std::sin(1.3 * p.y()), 0.4, 0.4 + 0.003 * p.z());
+  const double highlight = std::pow(std::max(0.0, p.normalized().dot(to_eye)), 8);
+  return paint + 0.3 * highlight * Eigen::Vector3d(1, 0.9, 0.8);
+}
+
+class MapCoarsening : public ::testing::Test {
+ protected:
+  EncodeResult With(const EncodeOptions& options) const {
+    return Encode(source_, options, SilentProgress());
+  }
+  SyntheticLightField field_ = MakeLightField(
+      MakeSphere(2), 12, 120, [](int t) { return t % 3 == 0 ? 7 : 13; }, HalfPainted);
+  LightFieldSource source_ = field_.Source();
+};
+
+TEST_F(MapCoarsening, PlainPlacesKeepFewerSamples) {
+  const EncodeResult result = With({.transport_db = 0});
+  const LightFieldModel& model = result.model;
+  int64_t plain = 0, plain_kept = 0, painted = 0, painted_kept = 0;
+  for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
+    double x = 0;
+    for (const int v : model.mesh.triangles[t]) x += model.mesh.vertices[v].x() / 3;
+    if (std::abs(x) < 15) continue;
+    (x < 0 ? plain : painted) += PatchSampleCount(field_.triangles[t].edge_samples);
+    (x < 0 ? plain_kept : painted_kept) += PatchSampleCount(model.placements[t].edge_samples);
+  }
+  EXPECT_LT(10 * plain_kept, plain);
+  EXPECT_GT(2 * painted_kept, painted);
+}
+
+TEST_F(MapCoarsening, FewerBytesAtThePsnrAskedFor) {
+  for (const double target_db : {40.0, 43.0}) {
+    const EncodeResult full =
+        With({.target_db = target_db, .patch_detail = PatchDetail::kFull, .transport_db = 0});
+    const EncodeResult coarse = With({.target_db = target_db, .transport_db = 0});
+    EXPECT_GE(coarse.matrix_psnr_db, target_db);
+    EXPECT_LE(coarse.matrix_psnr_db, target_db + 0.5);
+    EXPECT_LT(1.2 * static_cast<double>(coarse.maps_bytes), static_cast<double>(full.maps_bytes));
+    EXPECT_NEAR(CompareWithLightField(source_, coarse.model).psnr_db(), coarse.matrix_psnr_db,
+                1e-6);
+    EXPECT_EQ(coarse.model.MapsBytes(), coarse.maps_bytes);
+    ASSERT_EQ(static_cast<int>(coarse.matrix_psnr_by_terms_db.size()), coarse.model.terms + 1);
+    for (size_t k = 1; k < coarse.matrix_psnr_by_terms_db.size(); ++k) {
+      EXPECT_GT(coarse.matrix_psnr_by_terms_db[k], coarse.matrix_psnr_by_terms_db[k - 1] - 0.01);
+    }
+  }
+  const EncodeResult budget = With({.target_mb = 0.2, .transport_db = 0});
+  EXPECT_LE(budget.maps_bytes, 200000);
+  EXPECT_GT(budget.maps_bytes, 150000);
+}
+
+// What the choice goes by, against what comes out.
+TEST_F(MapCoarsening, EstimatesWhatItLoses) {
+  const EncodeResult whole =
+      With({.terms = 2, .patch_detail = PatchDetail::kFull, .transport_db = 0});
+  const int triangles = static_cast<int>(whole.model.placements.size());
+  const ModelError before = CompareWithLightField(source_, whole.model);
+  // The mean view alone coarser, then the first term, then both by another level.
+  for (const std::vector<uint8_t>& levels :
+       {std::vector<uint8_t>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {2, 2, 2}}) {
+    const std::vector<std::vector<uint8_t>> all(triangles, levels);
+    const LightFieldModel coarse = CoarsenMaps(source_, whole.model, all, 0.2, 4096);
+    const ModelError after = CompareWithLightField(source_, coarse);
+    EXPECT_LT(coarse.MapsBytes(), whole.model.MapsBytes());
+    EXPECT_GT(after.squared_error, 0.9 * before.squared_error);
+  }
+  const std::vector<std::vector<uint8_t>> same(triangles, std::vector<uint8_t>(3, 0));
+  const LightFieldModel unchanged = CoarsenMaps(source_, whole.model, same, 0.2, 4096);
+  EXPECT_NEAR(CompareWithLightField(source_, unchanged).psnr_db(), before.psnr_db(), 0.05);
+}
+
+TEST_F(MapCoarsening, IsContinuousAndMeansWhatTheFormatSays) {
+  const EncodeResult result = With({.target_db = 43, .transport_db = 0});
+  const LightFieldModel& model = result.model;
+  ASSERT_GT(model.terms, 0);
+  int finer_than_neighbour = 0;
+  for (const PatchPlacement& p : model.placements) finer_than_neighbour += p.edge_samples > 2;
+  ASSERT_GT(finer_than_neighbour, 0);
+  EXPECT_LE(LargestJumpAcrossEdges(model), 1.0);
+  for (int t = 0; t < static_cast<int>(model.placements.size()); t += 3) {
+    const Eigen::Vector3d to_eye =
+        (TriangleNormal(model.mesh, t) + Eigen::Vector3d(0.2, -0.3, 0.1)).normalized();
+    for (const Eigen::Vector3d& w :
+         std::vector<Eigen::Vector3d>{{0.2, 0.5, 0.3}, {0.02, 0.49, 0.49}, {0, 1, 0}}) {
+      const Eigen::Vector3d expected =
+          SlowEvaluate(model, t, w, to_eye, model.terms).cwiseMax(0).cwiseMin(1);
+      EXPECT_LE((EvaluateModel(model, t, w, to_eye).cast<double>() - expected).norm(), 1e-4) << t;
+    }
+  }
+}
+
+TEST_F(MapCoarsening, ComesBackFromAFile) {
+  const EncodeResult result = With({.transport_db = 0, .max_texture_size = 256});
+  ASSERT_GT(result.model.terms, 0);
+  const std::string file = ::testing::TempDir() + "lfm_coarsened.glb";
+  WriteGlb(result.model, file);
+  const LightFieldModel back = ReadGlb(file);
+  std::remove(file.c_str());
+  EXPECT_EQ(back.guessed, result.model.guessed);
+  EXPECT_EQ(back.MapsBytes(), result.model.MapsBytes());
+  for (int t = 0; t < static_cast<int>(back.placements.size()); t += 5) {
+    const Eigen::Vector3d to_eye = TriangleNormal(back.mesh, t), w(0.5, 0.2, 0.3);
+    EXPECT_LE(
+        (EvaluateModel(back, t, w, to_eye) - EvaluateModel(result.model, t, w, to_eye)).norm(),
+        1e-5);
+  }
+}
+
+TEST_F(MapCoarsening, KeepsEverySampleWhereNothingIsChosen) {
+  EXPECT_FALSE(ChoosesDetail({.terms = 3}));
+  EXPECT_FALSE(ChoosesDetail({.factorization = Factorization::kNmf}));
+  EXPECT_FALSE(ChoosesDetail({.tolerance = 1}));
+  EXPECT_FALSE(ChoosesDetail({.compression = {.vq_ratio = 2}}));
+  EXPECT_FALSE(ChoosesDetail({.patch_detail = PatchDetail::kFull}));
+  EXPECT_TRUE(ChoosesDetail({}));
+  EXPECT_TRUE(With({.terms = 2, .transport_db = 0}).model.surface_placements.empty());
+  // The transport form holds whole maps either way.
+  const EncodeResult coarse = With({.target_db = 42});
+  const DecodedModel decoded = DecodeTransport(coarse.transport.bytes, "model.lfz");
+  int64_t samples = 0, all = 0;
+  for (const PatchPlacement& p : decoded.model.placements)
+    samples += PatchSampleCount(p.edge_samples);
+  for (const auto& triangle : field_.triangles) all += PatchSampleCount(triangle.edge_samples);
+  EXPECT_EQ(samples, all);
+}
+
+// Black, white, matte, and patches that have nothing coarser.
+TEST(MapCoarseningExtremes, Hold) {
+  for (const double level : {0.0, 1.0, 0.5}) {
+    const SyntheticLightField plain = MakeLightField(
+        MakeSphere(1), 8, 60, [](int) { return 13; },
+        [level](const Eigen::Vector3d&, const Eigen::Vector3d&) {
+          return Eigen::Vector3d::Constant(level);
+        });
+    const EncodeResult result = Encode(plain.Source(), {.transport_db = 0}, SilentProgress());
+    EXPECT_EQ(result.model.terms, 0);
+    EXPECT_GT(result.matrix_psnr_db, 54);
+    for (const PatchPlacement& p : result.model.placements) EXPECT_EQ(p.edge_samples, 2);
+  }
+  const SyntheticLightField smallest = MakeLightField(
+      MakeSphere(1), 8, 60, [](int) { return 2; }, GlossyAppearance);
+  const EncodeResult result = Encode(smallest.Source(), {.transport_db = 0}, SilentProgress());
+  EXPECT_GT(result.model.terms, 0);
+  TriangleMesh one;
+  one.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  one.triangles = {{0, 1, 2}};
+  const SyntheticLightField single = MakeLightField(
+      one, 8, 60, [](int) { return 7; }, GlossyAppearance);
+  EXPECT_GT(Encode(single.Source(), {.target_db = 40, .transport_db = 0}, SilentProgress())
+                .matrix_psnr_db,
+            40);
+}
+
+}  // namespace
+}  // namespace lfm::testing
