@@ -27,12 +27,10 @@ Eigen::Vector3d PatchSampleWeights(int n, int i, int j) {
   return {(n - 1 - i - j) * step, i * step, j * step};
 }
 
-int ChooseEdgeSamples(double pixels, int max_edge_samples) {
+int ChooseEdgeSamples(double samples, int max_edge_samples) {
   constexpr int kSmallest = 4, kLargest = 193;
-  constexpr double kFewestSamplesAPixel = 2.0 / 3.0;
   int n = kSmallest;
-  while (PatchSampleCount(n) < kFewestSamplesAPixel * pixels &&
-         2 * n - 1 <= std::min(max_edge_samples, kLargest)) {
+  while (PatchSampleCount(n) < samples && 2 * n - 1 <= std::min(max_edge_samples, kLargest)) {
     n = 2 * n - 1;
   }
   return n;

@@ -25,13 +25,13 @@ int PatchSampleCount(int n);
 int PatchSampleIndex(int n, int i, int j);
 Eigen::Vector3d PatchSampleWeights(int n, int i, int j);
 
-/// The smallest patch of the predefined sizes n = 4, 7, 13, 25, 49, 97, 193 with at least two
-/// samples for every three pixels. A size has twice the segments of the one before: patches of
+/// The smallest patch of the predefined sizes n = 4, 7, 13, 25, 49, 97, 193 with at least so many
+/// samples. A size has twice the segments of the one before: patches of
 /// different size then share every node of the coarser one along an edge, and no detail is lost
 /// there (sizes without a common divisor could only share the edge's ends). 25 samples an edge are
-/// the paper's 314 a triangle. At most `max_edge_samples`; 4 when `pixels` is not a positive
+/// the paper's 314 a triangle. At most `max_edge_samples`; 4 when `samples` is not a positive
 /// number.
-int ChooseEdgeSamples(double pixels, int max_edge_samples);
+int ChooseEdgeSamples(double samples, int max_edge_samples);
 
 /// The visible views of one triangle, normalised to one shape: the block P of DESIGN 4.
 ///

@@ -44,6 +44,7 @@ struct ResampleOptions {
   double hull_margin = 0.08;
   double max_hidden_share = 0.85;
   int impute_terms = 3;
+  double sample_density = 2.0 / 3.0;
   int max_edge_samples = 65;
   SampleOn sample_on = SampleOn::kMesh;
   Sampling sampling = Sampling::kBilinear;
@@ -90,6 +91,12 @@ struct ResampleOptions {
                "Terms of the fit that estimates what a photograph does not tell of a triangle.", "",
                1, kMaxImputationTerms},
               impute_terms);
+    v.Number(
+        {"sample-density",
+         "Samples that a patch has at least for each pixel of the photograph that sees most of "
+         "its triangle; the next larger one of the sizes is taken, up to four times as many.",
+         "", 0.1, 16},
+        sample_density);
     v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3,
                kMaxEdgeSamples},
               max_edge_samples);

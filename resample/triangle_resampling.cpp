@@ -171,7 +171,8 @@ ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
                                    const TriangleViews& candidates) {
   ResampledTriangle result;
   LightFieldWriter::Triangle& record = result.record;
-  record.edge_samples = ChooseEdgeSamples(candidates.largest_px, scene.options.max_edge_samples);
+  record.edge_samples = ChooseEdgeSamples(scene.options.sample_density * candidates.largest_px,
+                                          scene.options.max_edge_samples);
   const std::vector<Eigen::Vector3d> points =
       PatchPoints(scene.mesh, triangle, record.edge_samples, scene.options.sample_on, scene.surface,
                   scene.max_shift_mm);
