@@ -89,6 +89,10 @@ void WriteFilesTogether(const std::filesystem::path& folder,
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(temporary.name())) {
     files.push_back(entry.path().filename());
+    // No file takes the place of a folder: before any takes its own.
+    if (std::filesystem::is_directory(folder / files.back(), error)) {
+      FailWriting(folder / files.back(), EISDIR);
+    }
   }
   for (const std::filesystem::path& file : files) {
     std::filesystem::rename(temporary.name() / file, folder / file, error);

@@ -68,8 +68,14 @@ bool Names(const std::string& text, const std::string& option) {
 }  // namespace
 
 std::vector<CLI::ConfigItem> ConfigFileReader::from_config(std::istream& input) const {
-  std::stringstream text;
-  text << input.rdbuf();
+  constexpr std::streamsize kMostBytes = 1 << 20;
+  std::string content(kMostBytes, '\0');
+  input.read(content.data(), kMostBytes);
+  content.resize(input.gcount());
+  if (content.size() == kMostBytes) {
+    Fail(1, "begins more than a megabyte of text; is this a file of options (TOML)?");
+  }
+  std::stringstream text(content);
   CheckLines(text);
   text.clear();
   text.seekg(0);

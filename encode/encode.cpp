@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "encode/guessed_directions.h"
 #include "encode/gutters.h"
+#include "encode/map_budget.h"
 #include "encode/map_coarsening.h"
 #include "encode/map_selection.h"
 #include "encode/mean_view.h"
@@ -72,66 +73,6 @@ VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_v
     return PatchMean(mean_view.codes[triangle].size(), 0.f);
   });
   return FactorizeNonnegative(whole, shared, mean_only, wanted);
-}
-
-// Layouts leave gaps, so the budget of the maps is met by trial.
-MapSelection MapsForMegabytes(const LightFieldSource& source, std::span<const int> edge_samples,
-                              const MapCosts& costs, const EncodeOptions& options) {
-  const auto bytes_of = [&](const MapSelection& maps) {
-    const LightFieldModel whole =
-        LayOutModel(source, edge_samples, maps.terms, options.max_texture_size);
-    return ChoosesDetail(options)
-               ? LayOutCoarsened(whole, maps.levels, options.max_texture_size).MapsBytes()
-               : whole.MapsBytes();
-  };
-  const auto target = static_cast<int64_t>(options.target_mb * 1e6);
-  const int64_t least = bytes_of(MapsForBytes(costs, 0));
-  if (least > target) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "--target-mb %g: the mean view alone takes %.3f MB; raise it, or resample a "
-                  "coarser mesh",
-                  options.target_mb, static_cast<double>(least) * 1e-6);
-    throw Error(text);
-  }
-  constexpr int kPatience = 8;
-  int64_t budget = target;
-  for (int i = 0;; ++i) {
-    MapSelection maps = MapsForBytes(costs, budget);
-    const int64_t bytes = bytes_of(maps);
-    if (bytes <= target) return maps;  // no terms at all, in the end
-    const int64_t over = bytes - target;
-    budget = std::max<int64_t>(budget - (i < kPatience ? over : std::max(over, budget / 2)), 0);
-  }
-}
-
-int64_t Entries(const MapCosts& costs) {
-  return std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0});
-}
-
-double AllowedError(const MapCosts& costs, double target_db) {
-  return static_cast<double>(Entries(costs)) * std::pow(10.0, -target_db / 10);
-}
-
-MapSelection ChooseMaps(const LightFieldSource& source, std::span<const int> edge_samples,
-                        const MapCosts& costs, const EncodeOptions& options, Progress& progress) {
-  if (options.tolerance > 0) return MapsForTolerance(costs, options.tolerance / 255);
-  if (options.target_mb > 0) return MapsForMegabytes(source, edge_samples, costs, options);
-  if (options.terms != EncodeOptions::kAsNeeded || options.factorization == Factorization::kNmf) {
-    return AllMaps(costs);
-  }
-  if (!(options.target_db > 0)) return MapsForGain(costs, options.term_gain / 255);
-  const double allowed = AllowedError(costs, options.target_db);
-  MapSelection maps = MapsForError(costs, allowed);
-  if (costs.SquaredError(maps) > allowed) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%d terms reach %.1f dB of the %g dB asked for; raise --max-terms",
-                  options.max_terms, ModelError{costs.SquaredError(maps), Entries(costs)}.psnr_db(),
-                  options.target_db);
-    progress.Note(text);
-  }
-  return maps;
 }
 
 void CountBytes(const LightFieldSource& source, EncodeResult& result) {
@@ -290,46 +231,6 @@ LightFieldModel WholeModel(const LightFieldSource& source, const Factors& factor
   return FillGutters(std::move(model));
 }
 
-// A model of coarser maps, and what it loses with its first 0, 1, ... terms.
-struct Coarsened {
-  MapSelection maps;
-  LightFieldModel model;
-  std::vector<ModelError> errors;
-};
-
-// What levels lose is estimated; against a PSNR asked for it is measured, and allowed for.
-Coarsened Coarsen(const LightFieldSource& source, const Factors& factors, const MapCosts& costs,
-                  const EncodeOptions& options, const MapSelection& first, Progress& progress) {
-  constexpr int kTrials = 4;
-  constexpr double kNear = 0.995;
-  progress.Start("choosing resolutions", options.target_db > 0 ? kTrials : 1);
-  const auto coarsen = [&](const MapSelection& maps) {
-    Coarsened coarse{maps,
-                     CoarsenMaps(source, WholeModel(source, factors, maps.terms, options),
-                                 maps.levels, options.guessed_weight, options.max_texture_size),
-                     {}};
-    coarse.errors = CompareByTerms(source, coarse.model);
-    progress.Advance();
-    return coarse;
-  };
-  Coarsened best = coarsen(first);
-  const double allowed = options.target_db > 0 ? AllowedError(costs, options.target_db) : HUGE_VAL;
-  if (options.target_db <= 0 || costs.SquaredError(first) > allowed) return best;
-  double estimate = allowed, measured = best.errors.back().squared_error;
-  for (int trial = 1; trial < kTrials; ++trial) {
-    if (measured <= allowed && measured >= kNear * allowed) break;
-    estimate *= allowed / std::max(measured, 0.01 * allowed);
-    Coarsened next = coarsen(MapsForError(costs, estimate));
-    measured = next.errors.back().squared_error;
-    const double so_far = best.errors.back().squared_error;
-    const bool better =
-        so_far > allowed ? measured < so_far
-                         : measured <= allowed && next.model.MapsBytes() < best.model.MapsBytes();
-    if (better) best = std::move(next);
-  }
-  return best;
-}
-
 void TakeCoarsened(Coarsened coarsened, const LightFieldSource& source, EncodeResult& result) {
   result.model = std::move(coarsened.model);
   result.matrix_psnr_by_terms_db.clear();
@@ -355,6 +256,7 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   CheckOptions(options);
   CheckSource(blended);
   CheckMapCompression(options.compression, blended.grid);
+  RequireRoomForMeanView(blended, EdgeSamples(blended), options);
   const LightFieldSource source = FillDirections(blended, options, progress);
   const Factors factors = Factorize(source, options, progress);
   const MapCosts costs =
@@ -365,7 +267,10 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   result.unseen_triangles = factors.mean_view.unseen_triangles;
   Coarsened coarsened;
   if (ChoosesDetail(options)) {
-    coarsened = Coarsen(source, factors, costs, options, maps, progress);
+    coarsened = CoarsenToTarget(
+        source, costs, options, maps,
+        [&](const std::vector<int>& terms) { return WholeModel(source, factors, terms, options); },
+        progress);
     maps = std::move(coarsened.maps);
   }
   result.model = WholeModel(source, factors, maps.terms, options);

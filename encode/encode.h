@@ -113,8 +113,8 @@ struct EncodeOptions {
               "", 0.01, 1},
              guessed_weight);
     v.Number({"transport-db",
-              "Accuracy of the transport form, model.lfz, against the model: bytes against PSNR "
-              "(20 to 90); 0 = do not write it.",
+              "Accuracy of the transport form, model.lfz, against the model (every sample of it, "
+              "whatever --patch-detail): bytes against PSNR (20 to 90); 0 = do not write it.",
               "dB", 0, 90},
              transport_db);
     v.Number({"geometry-error",
@@ -155,8 +155,9 @@ struct EncodeResult {
   std::vector<double> matrix_psnr_by_terms_db;
   std::vector<double> singular_value_share;  ///< mean share of energy, a term of the model each
   int unseen_triangles = 0;                  ///< filled from their neighbours
-  EncodedTransport transport;                ///< the model in transport form; may be empty
-  int64_t model_bytes = 0;                   ///< of model.glb; known once it is saved
+  /// The model in transport form, every sample of its maps, without codebooks; may be empty.
+  EncodedTransport transport;
+  int64_t model_bytes = 0;  ///< of model.glb; known once it is saved
 };
 
 /// Fills directions (a source without eyes, and nonnegative terms, by blending alone), then
@@ -164,8 +165,9 @@ struct EncodeResult {
 /// closed loop, chooses how many terms each vertex gets and how many samples each triangle keeps of
 /// them (map_selection.h; the latter where terms are chosen by gain or target, and maps are neither
 /// shared nor in blocks), and tiles the maps, in memory and in transport form. Two runs give the
-/// same bytes, whatever the number of threads. Memory: the model, the 8-bit maps of all terms that
-/// may be chosen, and one vertex ring a thread.
+/// same bytes, whatever the number of threads. Memory: the 8-bit maps of all terms that
+/// may be chosen, the model (up to three times while resolutions are chosen for a target), and one
+/// vertex ring a thread.
 ///
 /// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
 /// A tolerance or PSNR that max_terms do not reach gives all of them, and a note. Triangles that

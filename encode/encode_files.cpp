@@ -13,32 +13,43 @@ namespace {
 
 constexpr int kMaxCount = std::numeric_limits<int>::max();
 
+void RemoveOldTransport(const std::filesystem::path& file) {
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) {
+    throw Error(file.string() + ": an earlier model's cannot be removed (" + error.message() +
+                    "); remove it by hand",
+                ErrorKind::kSystem);
+  }
+}
+
 }  // namespace
 
 nlohmann::json SaveEncode(const EncodeResult& result, const std::filesystem::path& folder) {
-  const int64_t model_bytes = WriteGlb(result.model, folder / "model.glb");
-  const std::filesystem::path transport_file = folder / "model.lfz";
-  if (result.transport.bytes.empty()) {
-    std::error_code ignored;  // what cannot be removed is not read either
-    std::filesystem::remove(transport_file, ignored);
-  } else {
-    WriteFileAtomically(transport_file, result.transport.bytes);
-  }
-  const nlohmann::json figures = {{"terms_mean", result.terms_mean},
-                                  {"terms_max", result.terms_max},
-                                  {"vertices_by_terms", result.vertices_by_terms},
-                                  {"model_bytes", model_bytes},
-                                  {"transport_bytes", result.transport.bytes.size()},
-                                  {"transport_geometry_bytes", result.transport.geometry_bytes},
-                                  {"transport_mean_bytes", result.transport.mean_bytes},
-                                  {"maps_bytes", result.maps_bytes},
-                                  {"compression_ratio", result.compression_ratio},
-                                  {"matrix_psnr_db", result.matrix_psnr_db},
-                                  {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
-                                  {"matrix_psnr_by_terms_db", result.matrix_psnr_by_terms_db},
-                                  {"singular_value_share", result.singular_value_share},
-                                  {"unseen_triangles", result.unseen_triangles}};
-  WriteJson(figures, folder / "encode.json");
+  nlohmann::json figures;
+  WriteFilesTogether(folder, [&](const std::filesystem::path& files) {
+    const int64_t model_bytes = WriteGlb(result.model, files / "model.glb");
+    if (!result.transport.bytes.empty()) {
+      WriteFileAtomically(files / "model.lfz", result.transport.bytes);
+    }
+    figures = {{"terms_mean", result.terms_mean},
+               {"terms_max", result.terms_max},
+               {"vertices_by_terms", result.vertices_by_terms},
+               {"model_bytes", model_bytes},
+               {"transport_bytes", result.transport.bytes.size()},
+               {"transport_geometry_bytes", result.transport.geometry_bytes},
+               {"transport_mean_bytes", result.transport.mean_bytes},
+               {"maps_bytes", result.maps_bytes},
+               {"compression_ratio", result.compression_ratio},
+               {"matrix_psnr_db", result.matrix_psnr_db},
+               {"matrix_psnr_mean_only_db", result.matrix_psnr_mean_only_db},
+               {"matrix_psnr_by_terms_db", result.matrix_psnr_by_terms_db},
+               {"singular_value_share", result.singular_value_share},
+               {"unseen_triangles", result.unseen_triangles}};
+    WriteJson(figures, files / "encode.json");
+    // Before the others take their places: a model.lfz of another model does not stay beside them.
+    if (result.transport.bytes.empty()) RemoveOldTransport(folder / "model.lfz");
+  });
   return figures;
 }
 

@@ -105,6 +105,24 @@ void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, in
   }
 }
 
+// What is the same in any layout of the same terms.
+LightFieldModel WithoutPages(const LightFieldModel& model) {
+  LightFieldModel other;
+  other.mesh = model.mesh;
+  other.vertex_frames = model.vertex_frames;
+  other.direction_map = model.direction_map;
+  other.grid = model.grid;
+  other.terms = model.terms;
+  other.mean_in_terms = model.mean_in_terms;
+  other.vertex_terms = model.vertex_terms;
+  other.view_slots = model.view_slots;
+  other.surface_ranges = model.surface_ranges;
+  other.view_ranges = model.view_ranges;
+  other.view_tiles_per_row = model.view_tiles_per_row;
+  other.view_tiles_per_page = model.view_tiles_per_page;
+  return other;
+}
+
 int AtLevel(int n, int level) {
   for (; level > 0; --level) n = CoarserEdgeSamples(n);
   return n;
@@ -196,10 +214,14 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
     costs.squared_errors.push_back(vertex.squared_errors);
     costs.entries.push_back(vertex.entries);
   }
-  costs.patches.resize(edge_samples.size());
+  const auto triangles = static_cast<int64_t>(edge_samples.size());
   const bool coarser = detail == PatchDetail::kAsNeeded;
+  // Ranges of both maps; with patches of their own places two indices of 16 bits.
+  costs.rank_bytes = static_cast<int64_t>(vertices.size() * 2 * sizeof(MapRange));
+  if (coarser) costs.rank_bytes += 2 * (triangles + static_cast<int64_t>(vertices.size()));
+  costs.patches.resize(triangles);
   ParallelFor(
-      0, static_cast<int64_t>(edge_samples.size()),
+      0, triangles,
       [&](int64_t t) {
         PatchCosts& patch = costs.patches[t];
         const int64_t bytes = PatchBytesWithGutters(edge_samples[t]);
@@ -230,7 +252,7 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
 LightFieldModel LayOutCoarsened(const LightFieldModel& model,
                                 std::span<const std::vector<uint8_t>> levels,
                                 int max_texture_size) {
-  LightFieldModel coarse = model;
+  LightFieldModel coarse = WithoutPages(model);
   std::vector<int> edge_samples;
   for (size_t t = 0; t < levels.size(); ++t) {
     edge_samples.push_back(AtLevel(model.placements[t].edge_samples, levels[t][0]));
@@ -247,11 +269,15 @@ LightFieldModel LayOutCoarsened(const LightFieldModel& model,
     }
     const PatchLayout layout =
         PlacePatches(sizes, {}, max_texture_size, PatchSpacing::kCompletions);
-    coarse.surface_pages[k] = MakePages(layout.page_sizes);
+    coarse.surface_pages.push_back(MakePages(layout.page_sizes));
     coarse.surface_placements.emplace_back(levels.size(), PatchPlacement{});
     for (size_t i = 0; i < owners.size(); ++i) {
       coarse.surface_placements[k][owners[i]] = layout.placements[i];
     }
+    std::vector<Eigen::Vector2i> view_sizes;
+    for (const Image& page : model.view_pages[k])
+      view_sizes.push_back({page.width(), page.height()});
+    coarse.view_pages.push_back(MakePages(view_sizes));
     std::vector<int>& tiles = coarse.view_codes.emplace_back(model.view_slots);
     for (size_t v = 0; v < tiles.size(); ++v) tiles[v] *= model.vertex_terms[v] > k ? 1 : 0;
   }

@@ -21,13 +21,14 @@ enum class PatchDetail {
 /// What the terms of `vertices` and the mean view cost, with every sample or also at each coarser
 /// resolution. `edge_samples` and `mean_codes` (3 a sample) are the triangles'. What coarser
 /// surface maps add is estimated a term at a time: squared change of the map x energy of its view
-/// map.
+/// map; in triangles that nobody saw too, where it is no error against the light field but would be
+/// seen.
 MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> edge_samples,
                          std::span<const std::vector<uint8_t>> mean_codes,
                          std::span<const VertexTerms> vertices, PatchDetail detail);
 
-/// `model` without maps in the pages, as large as CoarsenMaps makes it with these levels
-/// (MapSelection::levels): what a selection will take.
+/// A model of the same terms without maps in the pages, as large as CoarsenMaps makes it with these
+/// levels (MapSelection::levels): what a selection will take.
 LightFieldModel LayOutCoarsened(const LightFieldModel& model,
                                 std::span<const std::vector<uint8_t>> levels, int max_texture_size);
 

@@ -9,7 +9,7 @@ namespace lfm {
 namespace {
 
 constexpr int kSweeps = 8;
-constexpr int kBisections = 40;
+constexpr int kBisections = 30;
 
 // Bits of the corners of a triangle that have a term.
 int CornersWith(const Eigen::Vector3i& corners, int term, const std::vector<int>& terms) {
@@ -60,6 +60,29 @@ MapSelection WithLevels(const MapCosts& costs, std::vector<int> terms, double la
   return maps;
 }
 
+int64_t MostTerms(const std::vector<int>& terms) {
+  return terms.empty() ? 0 : *std::max_element(terms.begin(), terms.end());
+}
+
+// Without the last term of all vertices, as long as that costs less than its tables.
+MapSelection TrimRanks(const MapCosts& costs, MapSelection maps, double lambda) {
+  const auto cost = [&](const MapSelection& some) {
+    return costs.SquaredError(some) + lambda * static_cast<double>(costs.Bytes(some));
+  };
+  if (costs.rank_bytes == 0 || !(lambda > 0)) return maps;
+  double least = cost(maps);
+  for (int64_t most = MostTerms(maps.terms) - 1; most >= 0; --most) {
+    std::vector<int> terms = maps.terms;
+    for (int& own : terms) own = std::min(own, static_cast<int>(most));
+    MapSelection fewer = WithLevels(costs, std::move(terms), lambda);
+    const double now = cost(fewer);
+    if (now > least) break;
+    least = now;
+    maps = std::move(fewer);
+  }
+  return maps;
+}
+
 MapSelection Descend(const MapCosts& costs, const VertexRings& rings, double lambda,
                      std::vector<int> terms) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -71,7 +94,7 @@ MapSelection Descend(const MapCosts& costs, const VertexRings& rings, double lam
     }
     if (!changed) break;
   }
-  return WithLevels(costs, std::move(terms), lambda);
+  return TrimRanks(costs, WithLevels(costs, std::move(terms), lambda), lambda);
 }
 
 MapSelection NoTerms(const MapCosts& costs) {
@@ -160,7 +183,7 @@ double MapCosts::SquaredError(const MapSelection& maps) const {
 }
 
 int64_t MapCosts::Bytes(const MapSelection& maps) const {
-  int64_t bytes = 0;
+  int64_t bytes = MostTerms(maps.terms) * rank_bytes;
   for (const int k : maps.terms) bytes += k * view_bytes;
   for (size_t t = 0; t < patches.size(); ++t) {
     const std::vector<uint8_t>& levels = maps.levels[t];
@@ -211,9 +234,13 @@ MapSelection MapsForError(const MapCosts& costs, double squared_error) {
   });
 }
 
-MapSelection MapsForBytes(const MapCosts& costs, int64_t bytes) {
-  return Search(costs, Wanted::kLeastError, NoTerms(costs),
-                [&](const MapSelection& maps) { return costs.Bytes(maps) <= bytes; });
+MapSelection MapsForBytes(const MapCosts& costs, int64_t bytes,
+                          const std::function<int64_t(const MapSelection&)>& bytes_of) {
+  const auto fits = [&](const MapSelection& maps) {
+    return (bytes_of ? bytes_of(maps) : costs.Bytes(maps)) <= bytes;
+  };
+  MapSelection least = NoTerms(costs);
+  return fits(least) ? Search(costs, Wanted::kLeastError, least, fits) : least;
 }
 
 }  // namespace lfm

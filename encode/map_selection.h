@@ -45,10 +45,12 @@ struct MapCosts {
   std::vector<int64_t> entries;     ///< V; of the vertex's matrix
   std::vector<PatchCosts> patches;  ///< T
   int64_t view_bytes = 0;           ///< of one view map
+  /// Of the tables that hold an entry a vertex or triangle for each term that any vertex has.
+  int64_t rank_bytes = 0;
 
   /// As estimated: what levels add is added up.
   double SquaredError(const MapSelection& maps) const;
-  /// Of all maps, without gaps between patches.
+  /// Of all maps and their tables, without gaps between patches.
   int64_t Bytes(const MapSelection& maps) const;
 };
 
@@ -61,7 +63,8 @@ MapSelection MapsForTolerance(const MapCosts& costs, double rms);
 
 /// Terms and levels that minimise squared error + lambda x bytes, over all vertices together: each
 /// vertex in turn, given its neighbours' terms (a patch's texels hold three corners, so that a term
-/// costs less where a neighbour has it) and the best levels for each choice, until nothing changes.
+/// costs less where a neighbour has it) and the best levels for each choice, until nothing changes;
+/// then the last terms go as long as so few vertices have them that their tables are not worth it.
 /// lambda = 0: what lowers the error, alone.
 MapSelection MapsForLambda(const MapCosts& costs, double lambda);
 
@@ -75,8 +78,9 @@ MapSelection MapsForGain(const MapCosts& costs, double rms);
 /// Of the answers of MapsForLambda the one with the largest lambda whose squared error is at most
 /// `squared_error`; all maps where none is.
 MapSelection MapsForError(const MapCosts& costs, double squared_error);
-/// The one with the smallest lambda whose maps take at most `bytes`; no terms, and mean views of
-/// the coarsest level, where none does.
-MapSelection MapsForBytes(const MapCosts& costs, int64_t bytes);
+/// The one with the smallest lambda whose maps take at most `bytes` by `bytes_of` (MapCosts::Bytes
+/// where none is given); no terms, and mean views of the coarsest level, where none does.
+MapSelection MapsForBytes(const MapCosts& costs, int64_t bytes,
+                          const std::function<int64_t(const MapSelection&)>& bytes_of = {});
 
 }  // namespace lfm

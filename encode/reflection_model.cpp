@@ -17,7 +17,8 @@ constexpr int kMost = ReflectionModel::kMostLights;
 constexpr int kSide = ReflectionModel{}.side;
 constexpr int kRounds = 6;  // with each number of lights
 constexpr size_t kFewestViews = 6;
-constexpr int64_t kMostTriangles = 20000;  // that lights are fitted to
+// That lights are fitted to: triangles, and views of triangles.
+constexpr int64_t kMostTriangles = 20000, kMostViews = 4'000'000;
 constexpr double kGainRidge = 0.1;    // squared sRGB-coded values, summed over views and channels
 constexpr double kLightRidge = 0.03;  // squared gains
 constexpr double kSeparationRidge = 1e-3;  // a share of the gains' energy: lights that look alike
@@ -325,7 +326,9 @@ ReflectionModel FitReflections(const LightFieldSource& source, int lights) {
     throw Error("mirror directions: lights must lie in [1, " + std::to_string(kMost) + "]");
   }
   const auto triangles = static_cast<int64_t>(source.mesh.triangles.size());
-  std::vector<TriangleViews> views(std::min(triangles, kMostTriangles));
+  const auto eyes = static_cast<int64_t>(std::max<size_t>(1, source.eyes.size()));
+  const int64_t most = std::clamp<int64_t>(kMostViews / eyes, 1000, kMostTriangles);
+  std::vector<TriangleViews> views(std::min(triangles, most));
   const auto chosen = static_cast<int64_t>(views.size());
   ParallelFor(
       0, triangles, [&](int64_t t) { CheckEyes(source, static_cast<int>(t)); }, 64);

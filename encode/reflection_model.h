@@ -39,8 +39,9 @@ Eigen::Vector3f LookUp(const ReflectionModel::Light& light, int side,
 
 /// Fits lights and gains in turn, by least squares with small ridges, to the hat-weighted mean
 /// colours at the three corners of triangles in all their photographs; six photographs at least for
-/// a triangle to take part. The lights come from 20 000 triangles at most, spread over the mesh, so
-/// that time and memory stay bounded; gains are fitted for all.
+/// a triangle to take part. The lights come from 20 000 triangles at most, spread over the mesh (so
+/// many that all photographs would show 4 million; 1000 at least), so that time and memory stay
+/// bounded; gains are fitted for all.
 ///
 /// `lights` in [1, kMostLights] (Error). `source.eyes` must be there (Error if not one a
 /// photograph). Deterministic; never NaN for finite values. Diffuse objects get light and gains

@@ -43,8 +43,8 @@ bool FitsTransportForm(const LightFieldModel& model);
 /// of its own (mesh_coder.h): ReorderModel with the inverse of `order` puts a decoded model in the
 /// order of the first.
 ///
-/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent
-/// or does not fit, or a PSNR out of range.
+/// Deterministic, whatever the number of threads. Throws Error for a model that is not consistent,
+/// has codebooks or patches of their own resolution, or does not fit, or a PSNR out of range.
 EncodedTransport EncodeTransport(const LightFieldModel& model, const TransportOptions& options);
 
 /// A model, and how many parts of its stream were not there.

@@ -264,6 +264,11 @@ EncodedTransport EncodeTransport(const LightFieldModel& given, const TransportOp
     throw Error("--geometry-error must lie in [0.001, 10]");
   }
   ValidateModel(given, "the model");
+  if (!given.surface_placements.empty() || !given.view_codes.empty()) {
+    throw Error(
+        "the transport form is made of whole maps: of the model without codebooks, and with "
+        "--patch-detail full");
+  }
   if (!FitsTransportForm(given)) {
     throw Error("the model is too large for the transport form; --transport-db 0 leaves it out");
   }

@@ -97,8 +97,10 @@ struct ResampleOptions {
          "its triangle; the next larger one of the sizes is taken, up to four times as many.",
          "", 0.1, 16},
         sample_density);
-    v.Integer({"max-edge-samples", "Largest patch: samples along a triangle's edge.", "", 3,
-               kMaxEdgeSamples},
+    v.Integer({"max-edge-samples",
+               "Largest patch: samples along a triangle's edge (4, 7, 13, 25, 49, 97 or 193; the "
+               "next smaller of these is taken).",
+               "", 4, kMaxEdgeSamples},
               max_edge_samples);
     v.Enumeration({"sample-on",
                    "Points to sample: of the mesh (exact in each photograph's own view), or of the "

@@ -176,24 +176,18 @@ class Studio {
     }
     const StageClock clock;
     const PixelRays rays(camera);
-    const PhotoRenderer render = [&](const PixelRays& r, const Pose& camera_from_world) {
-      return source->Render(r, camera_from_world);
+    const auto renderer_of = [](const PhotoSource& from) -> PhotoRenderer {
+      return [&from](const PixelRays& r, const Pose& pose) { return from.Render(r, pose); };
     };
-    PhotoRenderer render_test = render;
     std::unique_ptr<PhotoSource> finer;
-    if (scene_description_ && options_.test_light > 1) {
-      finer = TracedScene(options_.test_light);
-      render_test = [&](const PixelRays& r, const Pose& camera_from_world) {
-        return finer->Render(r, camera_from_world);
-      };
-    }
+    if (options_.test_light > 1) finer = TracedScene(options_.test_light);
     const auto render_occluded = [&](const Occluder& occluder) {
       return source->WithOccluder(occluder);
     };
     const PhotoShoot shoot{rays,
                            trouble,
-                           render,
-                           render_test,
+                           renderer_of(*source),
+                           renderer_of(finer ? *finer : *source),
                            render_occluded,
                            sensor_,
                            static_cast<float>(kPaperLevel / source->BrightestPaper()),
@@ -344,6 +338,10 @@ StudioResult RenderStudio(const StudioOptions& options, const PictureSink& sink,
                           Progress& progress) {
   StudioOptions resolved = ResolveTiny(options);
   ValidateOptions(AnyOptions(resolved));
+  if (resolved.test_light > 1 && (!resolved.mesh.empty() || resolved.scene == kPaintedScene)) {
+    throw Error(
+        "--test-light has no effect on painted objects, whose light is baked; leave it out");
+  }
   return Studio(resolved, sink, progress).Run();
 }
 
@@ -356,6 +354,10 @@ void MakeCapture(const StudioOptions& options, const std::filesystem::path& fold
     if (scene.kind != SceneKind::kLightField) {
       if (!options.board.empty()) {
         throw Error("--board: scene \"" + options.scene + "\" has no platform; leave --board out");
+      }
+      if (options.test_light > 1) {
+        throw Error("--test-light: scene \"" + options.scene +
+                    "\" has no photographs; leave --test-light out");
       }
       if (options.tiny) scene = ShrinkField(std::move(scene));
       MakeFieldCapture(scene, options, folder, progress);

@@ -177,6 +177,9 @@ TEST(CommandLine, AConfigFileOfGarbageIsNotEchoed) {
   const Outcome wordy = RunWithConfig(folder, std::string(5000, 'x') + " = 3\n");
   EXPECT_EQ(wordy.status, 2);
   EXPECT_LT(wordy.error.size(), 700U);
+  const Outcome endless = RunWithConfig(folder, std::string(2 << 20, '#'));
+  EXPECT_EQ(endless.status, 2);
+  ExpectOneErrorLine(endless, "begins more than a megabyte");
 }
 
 TEST(CommandLine, AConfigFileThatIsRightIsFollowedAndNotBlamed) {

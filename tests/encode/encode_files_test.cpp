@@ -122,6 +122,12 @@ TEST_F(EncodeFiles, CommandWritesModelFiguresAndPictures) {
   for (const char* name : {"mean-view", "surface-maps-2", "view-maps-1", "singular-values"}) {
     EXPECT_TRUE(fs::exists(work_ / "encode" / "pictures" / (std::string(name) + ".png"))) << name;
   }
+  // An earlier model's do not stay.
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 1 --pictures"), 0) << Log();
+  EXPECT_TRUE(fs::exists(work_ / "encode/pictures/surface-maps-1.png"));
+  EXPECT_FALSE(fs::exists(work_ / "encode/pictures/surface-maps-2.png"));
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 1"), 0) << Log();
+  EXPECT_FALSE(fs::exists(work_ / "encode/pictures"));
 }
 
 // AFX is written on request, and an earlier model's does not stay.
@@ -192,6 +198,23 @@ TEST_F(EncodeFiles, CommandLeavesAnOldModelAloneWhenItFails) {
   fs::resize_file(LightFieldFile(), 100);
   EXPECT_EQ(Run("'" + work_.string() + "'"), 2);
   EXPECT_EQ(ReadFile(work_ / "encode" / "model.glb"), before);
+}
+
+// Model, transport form and figures are replaced together or not at all.
+TEST_F(EncodeFiles, CommandMixesNoOldAndNewFiles) {
+  WriteLightField();
+  const fs::path folder = work_ / "encode";
+  ASSERT_EQ(Run("'" + work_.string() + "' --terms 1"), 0) << Log();
+  const std::string model = ReadFile(folder / "model.glb"),
+                    figures = ReadFile(folder / "encode.json");
+  fs::remove(folder / "model.lfz");
+  fs::create_directories(folder / "model.lfz" / "in the way");
+  EXPECT_EQ(Run("'" + work_.string() + "' --terms 2"), 1);
+  EXPECT_NE(Log().find("model.lfz"), std::string::npos) << Log();
+  EXPECT_EQ(Run("'" + work_.string() + "' --terms 2 --transport-db 0"), 1);
+  EXPECT_NE(Log().find("model.lfz"), std::string::npos) << Log();
+  EXPECT_EQ(ReadFile(folder / "model.glb"), model);
+  EXPECT_EQ(ReadFile(folder / "encode.json"), figures);
 }
 
 TEST_F(EncodeFiles, CommandReportsAFolderThatCannotBeWritten) {

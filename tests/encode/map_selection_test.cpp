@@ -197,6 +197,55 @@ TEST(MapSelection, LevelsAreAsGoodAsTryingEveryChoice) {
   }
 }
 
+// Tables hold an entry a vertex for every term that any vertex has.
+TEST(MapSelection, ATermOfFewVerticesIsNotWorthItsTables) {
+  const OneTriangle one;
+  MapCosts costs = one.Costs({{100, 50, 30}, {100, 50, 49}, {100, 50}});
+  EXPECT_EQ(MapsForLambda(costs, 1).terms, (std::vector<int>{2, 1, 1}));
+  costs.rank_bytes = 20;
+  EXPECT_EQ(MapsForLambda(costs, 1).terms, (std::vector<int>{1, 1, 1})) << "20 for 15 and 20 bytes";
+  EXPECT_EQ(costs.Bytes(Terms(one.mesh, {2, 1, 1})), 2 * 20 + 2 * 10 + 4 * 5);
+  costs.rank_bytes = 200;
+  EXPECT_EQ(MapsForLambda(costs, 1).terms, (std::vector<int>{0, 0, 0}));
+  EXPECT_EQ(MapsForLambda(costs, 0), AllMaps(costs));
+}
+
+TEST(MapSelection, MoreTermsToChooseFromTakeNoMore) {
+  const TriangleMesh mesh = MakeSphere(4);
+  MapCosts costs = RandomCosts(mesh, 13);
+  costs.rank_bytes = 20 * static_cast<int64_t>(mesh.vertices.size());
+  for (const double share : {0.6, 0.3, 0.1}) {
+    const double all = costs.SquaredError(AllMaps(costs));
+    const double none = costs.SquaredError(MapsForBytes(costs, 0));
+    const double allowed = all + share * (none - all);
+    int64_t fewest = INT64_MAX;
+    MapCosts capped = costs;
+    for (const int most : {1, 2, 3, 5}) {
+      for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+        const std::vector<double>& errors = costs.squared_errors[v];
+        const size_t kept = std::min(errors.size(), static_cast<size_t>(most) + 1);
+        capped.squared_errors[v].assign(errors.begin(), errors.begin() + static_cast<int>(kept));
+      }
+      const MapSelection maps = MapsForError(capped, allowed);
+      if (costs.SquaredError(maps) > allowed) continue;  // too few terms for it
+      EXPECT_LE(static_cast<double>(costs.Bytes(maps)), 1.02 * static_cast<double>(fewest))
+          << most << " terms, " << share;
+      fewest = std::min(fewest, costs.Bytes(maps));
+    }
+    EXPECT_LT(fewest, INT64_MAX);
+  }
+}
+
+TEST(MapSelection, MeetsABudgetAsLaidOut) {
+  const TriangleMesh mesh = MakeSphere(3);
+  const MapCosts costs = RandomCosts(mesh, 3);
+  const auto with_gaps = [&](const MapSelection& maps) { return costs.Bytes(maps) * 5 / 4; };
+  const int64_t budget = costs.Bytes(AllMaps(costs)) / 2;
+  const MapSelection maps = MapsForBytes(costs, budget, with_gaps);
+  EXPECT_LE(with_gaps(maps), budget);
+  EXPECT_GE(with_gaps(maps), 0.98 * static_cast<double>(budget));
+}
+
 TEST(MapSelection, MeetsABudgetAndBeatsEqualTermsAtIt) {
   const TriangleMesh mesh = MakeSphere(4);
   const MapCosts costs = RandomCosts(mesh, 7);

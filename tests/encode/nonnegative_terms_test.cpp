@@ -169,7 +169,7 @@ TEST_F(NonnegativeTerms, ErrorAgainstTheLightFieldIsWhatEncodeReports) {
       Encode(MakeLightField(
                  MakeSphere(1), 8, 80, [](int) { return 5; }, GlossyAppearance)
                  .Source(),
-             {}, SilentProgress());
+             {.terms = 2}, SilentProgress());
   EXPECT_THROW(CompareWithLightField(field_.Source(), other.model), Error);
 }
 

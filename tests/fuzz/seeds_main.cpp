@@ -41,6 +41,7 @@ std::vector<LightFieldModel> SmallModels() {
           encode(field, {.terms = 3}),
           encode(disc, {.terms = 2}),
           encode(field, {.tolerance = 4, .max_terms = 3}),
+          encode(field, {.term_gain = 0.1, .max_terms = 3}),
           encode(field, {.factorization = Factorization::kNmf, .terms = 2})};
 }
 
