@@ -364,7 +364,8 @@ PipelineOptions PresetOptions(Effort effort) {
     case Effort::kBalanced:
       break;
     case Effort::kBest:
-      options.mesh.tolerance_px = 0.35;
+      options.mesh.tolerance_px = 0.25;
+      options.resample.sample_density = 1.5;
       options.encode.term_gain = 0.3;
       break;
   }
