@@ -97,6 +97,7 @@ LightFieldModel Coarser(const LightFieldModel& model) {
     for (int k = 0; k <= model.TriangleTerms(t); ++k) levels[t].push_back(level(t));
   }
   LightFieldModel coarse = LayOutCoarsened(model, levels, 512);
+  coarse.view_pages = model.view_pages;
   const auto copy = [](const Image& from_page, const PatchPlacement& from, Image& to_page,
                        const PatchPlacement& to) {
     for (int c = 0; c < 3; ++c) {
