@@ -147,9 +147,7 @@ void PrintTerms(const Object& object) {
     std::vector<Rest> rests(static_cast<size_t>(count));
     ParallelFor(0, count, [&](int64_t i) {
       const auto v = static_cast<size_t>(i * kVertexStride);
-      const auto ring = std::span<const int>(rings.triangles)
-                            .subspan(static_cast<size_t>(rings.offsets[v]),
-                                     static_cast<size_t>(rings.offsets[v + 1] - rings.offsets[v]));
+      const auto ring = rings.Ring(v);
       rests[static_cast<size_t>(i)] =
           RestOfVertex(object, static_cast<int>(v), ring, kFrames[kind]);
     });

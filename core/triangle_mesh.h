@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace lfm {
@@ -47,6 +48,10 @@ double SignedVolume(const TriangleMesh& mesh);
 struct VertexRings {
   std::vector<int> offsets;
   std::vector<int> triangles;
+  /// Those of one vertex; as long as this lives.
+  std::span<const int> Ring(int64_t vertex) const {
+    return std::span(triangles).subspan(offsets[vertex], offsets[vertex + 1] - offsets[vertex]);
+  }
 };
 VertexRings ComputeVertexRings(const TriangleMesh& mesh);
 

@@ -178,8 +178,7 @@ LightFieldModel AfxForm(const LightFieldModel& model, AfxViewMaps view_maps) {
   if (!model.surface_placements.empty() || !model.view_codes.empty()) {
     throw Error(
         "AFX is written of whole maps: leave --vq-ratio and --vq-db out and take --patch-detail "
-        "full, "
-        "or leave --afx out");
+        "full, or leave --afx out");
   }
   const LightFieldModel ordered = InPageOrder(model);
   const bool onto_disc = view_maps == AfxViewMaps::kDisc && model.terms > 0 &&

@@ -290,8 +290,7 @@ class Reader {
     }
     const VertexRings rings = ComputeVertexRings(content_.mesh);
     ParallelFor(0, static_cast<int64_t>(views.size()), [&](int64_t v) {
-      const auto ring = std::span<const int>(rings.triangles)
-                            .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+      const auto ring = rings.Ring(v);
       std::vector<TermMaps> terms;
       for (const size_t view : views[v]) {
         terms.push_back(ViewMaps(content_.views[view], view_tiles_[view], mirrored[v] != 0));

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <utility>
 
 #include "core/error.h"
@@ -30,11 +29,6 @@ std::vector<int> EdgeSamples(const LightFieldSource& source) {
     edge_samples.push_back(source.patch(static_cast<int>(t)).edge_samples);
   }
   return edge_samples;
-}
-
-std::span<const int> Ring(const VertexRings& rings, int64_t vertex) {
-  return std::span(rings.triangles)
-      .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]);
 }
 
 bool HasTarget(const EncodeOptions& options) {
@@ -209,7 +203,7 @@ Factors Factorize(const LightFieldSource& source, const EncodeOptions& options,
   factors.vertices.resize(vertices);
   progress.Start("factorising", vertices);
   ParallelFor(0, vertices, [&](int64_t v) {
-    factors.vertices[v] = FactorizeRing(source, factors.mean_view, Ring(factors.rings, v),
+    factors.vertices[v] = FactorizeRing(source, factors.mean_view, factors.rings.Ring(v),
                                         static_cast<int>(v), options);
     progress.Advance();
   });
@@ -226,7 +220,7 @@ LightFieldModel WholeModel(const LightFieldSource& source, const Factors& factor
     WriteMean(factors.mean_view.codes[t], static_cast<int>(t), model);
   }
   ParallelFor(0, static_cast<int64_t>(terms.size()), [&](int64_t v) {
-    WriteVertexTerms(Ring(factors.rings, v), factors.vertices[v].terms, static_cast<int>(v), model);
+    WriteVertexTerms(factors.rings.Ring(v), factors.vertices[v].terms, static_cast<int>(v), model);
   });
   return FillGutters(std::move(model));
 }

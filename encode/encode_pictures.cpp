@@ -73,4 +73,16 @@ std::vector<EncodePicture> DrawEncodePictures(const LightFieldModel& model,
   return pictures;
 }
 
+void RemoveEncodePictures(const std::filesystem::path& folder) {
+  constexpr int kMostTerms = 16;
+  std::vector<std::string> names = {"mean-view", "singular-values"};
+  for (int k = 1; k <= kMostTerms; ++k) {
+    names.push_back("surface-maps-" + std::to_string(k));
+    names.push_back("view-maps-" + std::to_string(k));
+  }
+  std::error_code ignored;
+  for (const std::string& name : names) std::filesystem::remove(folder / (name + ".png"), ignored);
+  std::filesystem::remove(folder, ignored);  // when it is empty
+}
+
 }  // namespace lfm

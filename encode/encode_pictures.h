@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct EncodePicture {
 std::vector<EncodePicture> DrawEncodePictures(const LightFieldModel& model,
                                               const std::vector<double>& singular_value_share,
                                               int max_side = 768);
+
+/// Removes PNG files of these names, an earlier model's, and the folder when nothing else is in it.
+void RemoveEncodePictures(const std::filesystem::path& folder);
 
 /// Bars: each term's share of the view-dependent energy (blue), on top of those before it (grey);
 /// the frame's top is 1. No shares: an empty frame.

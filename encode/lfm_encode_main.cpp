@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "calib/calib_files.h"
 #include "core/command_line.h"
@@ -32,18 +31,6 @@ struct OutputOptions {
                   {"off", "disc", "as-is"}, afx);
   }
 };
-
-// An earlier model's: those that DrawEncodePictures names.
-void RemovePictures(const std::filesystem::path& folder) {
-  std::vector<std::string> names = {"mean-view", "singular-values"};
-  for (int k = 1; k <= 16; ++k) {
-    names.push_back("surface-maps-" + std::to_string(k));
-    names.push_back("view-maps-" + std::to_string(k));
-  }
-  std::error_code ignored;
-  for (const std::string& name : names) std::filesystem::remove(folder / (name + ".png"), ignored);
-  std::filesystem::remove(folder, ignored);  // when it is empty
-}
 
 std::string WriteAfx(const lfm::LightFieldModel& model, const OutputOptions& output,
                      const std::filesystem::path& folder) {
@@ -144,7 +131,7 @@ int main(int argc, char** argv) {
     } else {
       progress.Note(WriteAfx(result.model, output, work / "encode"));
     }
-    RemovePictures(work / "encode" / "pictures");
+    lfm::RemoveEncodePictures(work / "encode" / "pictures");
     if (!output.pictures) return;
     for (const lfm::EncodePicture& picture :
          lfm::DrawEncodePictures(result.model, result.singular_value_share)) {

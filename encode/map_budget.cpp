@@ -64,7 +64,7 @@ MapSelection ChooseMaps(const LightFieldSource& source, std::span<const int> edg
   if (options.target_mb > 0) {
     return MapsForBytes(costs, static_cast<int64_t>(options.target_mb * 1e6),
                         [&](const MapSelection& maps) {
-                          progress.Advance(0);
+                          progress.Advance(0);  // may be interrupted
                           return LaidOutBytes(source, edge_samples, maps, options);
                         });
   }
@@ -90,7 +90,7 @@ Coarsened CoarsenToTarget(
     const std::function<LightFieldModel(const std::vector<int>& terms)>& whole,
     Progress& progress) {
   constexpr int kTrials = 4;
-  constexpr double kNear = 0.995;
+  constexpr double kNear = 0.995;  // of the error allowed: 0.02 dB
   const bool has_target = options.target_db > 0;
   progress.Start("coarsening maps", has_target ? kTrials : 1);
   const auto coarsen = [&](const MapSelection& maps) {

@@ -16,11 +16,6 @@
 namespace lfm {
 namespace {
 
-std::span<const int> Ring(const VertexRings& rings, int64_t vertex) {
-  return std::span(rings.triangles)
-      .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]);
-}
-
 std::vector<float> AsFloats(std::span<const uint8_t> codes, size_t first, size_t step) {
   std::vector<float> values;
   values.reserve(codes.size() / step);
@@ -192,7 +187,7 @@ void WriteCoarserTerms(const LightFieldModel& from, LightFieldModel& to) {
   const VertexRings rings = ComputeVertexRings(from.mesh);
   ParallelFor(0, static_cast<int64_t>(from.vertex_terms.size()), [&](int64_t v) {
     const auto vertex = static_cast<int>(v);
-    const std::span<const int> ring = Ring(rings, v);
+    const std::span<const int> ring = rings.Ring(v);
     std::vector<TermMaps> terms;
     for (int k = 0; k < from.vertex_terms[v]; ++k) {
       std::vector<int> edge_samples;
@@ -242,7 +237,7 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
   ParallelFor(
       0, static_cast<int64_t>(vertices.size()),
       [&](int64_t v) {
-        AddTermErrors(source, Ring(rings, v), static_cast<int>(v), edge_samples, vertices[v].terms,
+        AddTermErrors(source, rings.Ring(v), static_cast<int>(v), edge_samples, vertices[v].terms,
                       costs.patches);
       },
       16);

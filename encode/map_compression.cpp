@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <utility>
 
 #include "core/error.h"
-#include "core/parallel.h"
 #include "encode/gutters.h"
 #include "encode/map_groups.h"
 #include "encode/model_layout.h"

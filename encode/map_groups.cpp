@@ -162,8 +162,7 @@ MapScales MeasureMapScales(const LightFieldModel& model) {
                    std::vector<float>(model.terms * vertices, 0.f)};
   const VertexRings rings = ComputeVertexRings(model.mesh);
   ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     for (int k = 0; k < model.vertex_terms[v]; ++k) {
       const TermMaps maps = ReadVertexTerm(model, ring, static_cast<int>(v), k);
       double surface = 0, view = 0;

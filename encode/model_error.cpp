@@ -72,8 +72,7 @@ std::vector<ModelError> CompareByTerms(const LightFieldSource& source,
   const VertexRings rings = ComputeVertexRings(source.mesh);
   std::vector<std::vector<ModelError>> errors(source.mesh.vertices.size());
   ParallelFor(0, static_cast<int64_t>(errors.size()), [&](int64_t v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     errors[v] = VertexErrors(source, model, ring, static_cast<int>(v));
   });
   std::vector<ModelError> totals(model.terms + 1);

@@ -124,8 +124,7 @@ LightFieldModel ReorderModel(const LightFieldModel& model, const MeshOrder& orde
   }
   const VertexRings rings = ComputeVertexRings(mesh);
   ParallelFor(0, static_cast<int64_t>(frames.size()), [&](int64_t v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     CopyVertex(model, order, ring, static_cast<int>(v), result);
   });
   return FillGutters(std::move(result));

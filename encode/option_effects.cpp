@@ -22,8 +22,7 @@ void RequireEffect(const EncodeOptions& options,
       {"max-terms", terms_are_fixed, "with --terms, which says how many"},
       {"patch-detail", options.patch_detail == PatchDetail::kAsNeeded && !ChoosesDetail(options),
        "as as-needed with --terms, --tolerance, nmf, codebooks or blocks, which keep all samples "
-       "or "
-       "choose their own"},
+       "or choose their own"},
       {"fill", nonnegative && options.fill == DirectionFill::kMirror,
        "as mirror with --factorization nmf, which cannot take its signed changes"},
       {"mirror-lights", nonnegative, "with --factorization nmf, which blends alone"},

@@ -141,8 +141,7 @@ DecodedModel Decode(std::string_view bytes, const std::string& name) {
   ParallelFor(0, static_cast<int64_t>(maps.mean.size()),
               [&](int64_t t) { WriteMean(maps.mean[t], static_cast<int>(t), model); });
   ParallelFor(0, static_cast<int64_t>(maps.terms.size()), [&](int64_t v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     WriteVertexTerms(ring, maps.terms[v], static_cast<int>(v), model);
   });
   ValidateModel(model, name);

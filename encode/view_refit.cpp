@@ -124,8 +124,7 @@ std::vector<FittedViews> RefitViews(const LightFieldSource& source, const LightF
   const VertexRings rings = ComputeVertexRings(model.mesh);
   std::vector<FittedViews> views(model.vertex_terms.size());
   ParallelFor(0, static_cast<int64_t>(views.size()), [&](int64_t v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     views[v] = FitVertex(source, model, ring, static_cast<int>(v), guessed_weight);
   });
   return views;

@@ -45,11 +45,8 @@ class FactoredOperator : public ::testing::Test {
         return change;
       };
     }
-    return BuildVertexOperator(
-        source, vertex,
-        std::span(rings.triangles)
-            .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]),
-        [this](int t) { return ArbitraryMean(field_, t); });
+    return BuildVertexOperator(source, vertex, rings.Ring(vertex),
+                               [this](int t) { return ArbitraryMean(field_, t); });
   }
   SyntheticLightField field_;
 };

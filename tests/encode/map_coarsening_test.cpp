@@ -108,8 +108,7 @@ std::vector<VertexTerms> TermsOf(const LightFieldModel& model) {
   const VertexRings rings = ComputeVertexRings(model.mesh);
   std::vector<VertexTerms> vertices(model.vertex_terms.size());
   for (size_t v = 0; v < vertices.size(); ++v) {
-    const auto ring = std::span(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     for (int k = 0; k < model.vertex_terms[v]; ++k) {
       vertices[v].terms.push_back(ReadVertexTerm(model, ring, static_cast<int>(v), k));
     }

@@ -24,11 +24,7 @@ class NonnegativeTerms : public ::testing::Test {
     zero_ = [this](int t) {
       return PatchMean(size_t{3} * PatchSampleCount(field_.triangles[t].edge_samples), 0.f);
     };
-    f_ = BuildVertexOperator(
-        field_.Source(), kVertex,
-        std::span(rings.triangles)
-            .subspan(rings.offsets[kVertex], rings.offsets[kVertex + 1] - rings.offsets[kVertex]),
-        zero_);
+    f_ = BuildVertexOperator(field_.Source(), kVertex, rings.Ring(kVertex), zero_);
     std::vector<Eigen::Vector3i> triangles;
     std::vector<int> sizes;
     for (const RingBlock& block : f_.blocks) {

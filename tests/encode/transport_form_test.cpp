@@ -218,8 +218,7 @@ TEST(TransportForm, NonnegativeMapsStayNonnegative) {
   ASSERT_GE(back.terms, 2);
   const VertexRings rings = ComputeVertexRings(back.mesh);
   for (int v = 0; v < static_cast<int>(back.vertex_terms.size()); ++v) {
-    const auto ring = std::span<const int>(rings.triangles)
-                          .subspan(rings.offsets[v], rings.offsets[v + 1] - rings.offsets[v]);
+    const auto ring = rings.Ring(v);
     for (int k = 0; k < back.vertex_terms[v]; ++k) {
       const TermMaps maps = ReadVertexTerm(back, ring, v, k);
       for (const uint8_t code : maps.surface_codes) {

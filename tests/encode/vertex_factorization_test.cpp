@@ -34,11 +34,7 @@ Ring MakeRing(const SyntheticLightField& field, int vertex) {
   const VertexRings rings = ComputeVertexRings(field.mesh);
   const auto mean = [&field](int t) { return TrueMean(field, t); };
   Ring ring;
-  ring.f = BuildVertexOperator(
-      field.Source(), vertex,
-      std::span(rings.triangles)
-          .subspan(rings.offsets[vertex], rings.offsets[vertex + 1] - rings.offsets[vertex]),
-      mean);
+  ring.f = BuildVertexOperator(field.Source(), vertex, rings.Ring(vertex), mean);
   std::vector<Eigen::Vector3i> triangles;
   std::vector<int> sizes;
   for (const RingBlock& block : ring.f.blocks) {
