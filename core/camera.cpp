@@ -38,7 +38,11 @@ double RadialSlope(const Camera& c, double r2) {
 // The radius may fall between the axis and r although it rises at r itself; so may what is below
 // the line pass through zero.
 bool RadialRisesUpTo(const Camera& c, double r2) {
-  if (!c.IsRational() && c.k1 >= 0 && c.k2 >= 0 && c.k3 >= 0) return true;
+  // The slope 1 + 3 k1 r2 + 5 k2 r2^2 + 7 k3 r2^3 without the terms that raise it only falls.
+  const auto lowering = [](double k) { return std::min(k, 0.0); };
+  const double least =
+      1 + r2 * (3 * lowering(c.k1) + r2 * (5 * lowering(c.k2) + r2 * 7 * lowering(c.k3)));
+  if (!c.IsRational() && least > 0) return true;
   constexpr int kProbes = 16;
   for (int i = 1; i <= kProbes; ++i) {
     const double probe = r2 * i / kProbes;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -23,6 +24,8 @@ struct SceneDeleter {
 };
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, DeviceDeleter>;
 using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneDeleter>;
+
+constexpr double kFarthest = 1e30;
 
 struct Barycentrics {
   double u = 0, v = 0;
@@ -78,6 +81,19 @@ Barycentrics OntoTriangle(double u, double v) {
   return {u, v};
 }
 
+/// Writes a ray into place `i` of a packet.
+void SetRay(const RTCRay& ray, size_t i, RTCRay8& packet) {
+  packet.org_x[i] = ray.org_x;
+  packet.org_y[i] = ray.org_y;
+  packet.org_z[i] = ray.org_z;
+  packet.tnear[i] = ray.tnear;
+  packet.dir_x[i] = ray.dir_x;
+  packet.dir_y[i] = ray.dir_y;
+  packet.dir_z[i] = ray.dir_z;
+  packet.tfar[i] = ray.tfar;
+  packet.mask[i] = ray.mask;
+}
+
 }  // namespace
 
 /// Embree holds the mesh centred at the origin and scaled to radius 1: x' = (x - center) / radius.
@@ -109,6 +125,14 @@ struct RayScene::State {
   };
   std::optional<LocalRay> MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                   double t_min, double t_max) const;
+
+  /// What float32 found, in double precision.
+  struct FoundInFloat {
+    unsigned triangle;
+    float tfar, u, v;
+  };
+  RayHit Refine(const Eigen::Vector3d& origin, const LocalRay& local,
+                const FoundInFloat& found) const;
 };
 
 void RayScene::State::Build() {
@@ -194,6 +218,33 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
+RayHit RayScene::State::Refine(const Eigen::Vector3d& origin, const LocalRay& local,
+                               const FoundInFloat& found) const {
+  RayHit hit;
+  hit.triangle = static_cast<int>(found.triangle);
+  const Eigen::Vector3i& corners = triangles[found.triangle];
+  const Eigen::Vector3d& a = vertices[corners[0]];
+  const Eigen::Vector3d ab = vertices[corners[1]] - a;
+  const Eigen::Vector3d ac = vertices[corners[2]] - a;
+  double distance = local.start + static_cast<double>(found.tfar) * radius;
+  Barycentrics weights{found.u, found.v};
+  // Moeller and Trumbore's solution in double precision, unless the ray lies in the plane.
+  const Eigen::Vector3d p = local.unit.cross(ac);
+  const double determinant = ab.dot(p);
+  constexpr double kGrazing_rel = 1e-9;
+  if (std::abs(determinant) > kGrazing_rel * ab.norm() * ac.norm()) {
+    const Eigen::Vector3d from_a = origin - a;
+    const Eigen::Vector3d q = from_a.cross(ab);
+    weights = {from_a.dot(p) / determinant, local.unit.dot(q) / determinant};
+    distance = ac.dot(q) / determinant;
+  }
+  weights = OntoTriangle(weights.u, weights.v);
+  hit.u = weights.u;
+  hit.v = weights.v;
+  hit.distance = distance / local.scale;
+  return hit;
+}
+
 std::optional<RayHit> RayScene::Intersect(const Eigen::Vector3d& origin,
                                           const Eigen::Vector3d& direction, double t_min,
                                           double t_max) const {
@@ -206,30 +257,44 @@ std::optional<RayHit> RayScene::Intersect(const Eigen::Vector3d& origin,
   rtcInitIntersectContext(&context);
   rtcIntersect1(state_->scene.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-
-  RayHit hit;
-  hit.triangle = static_cast<int>(query.hit.primID);
-  const Eigen::Vector3i& corners = state_->triangles[hit.triangle];
-  const Eigen::Vector3d& a = state_->vertices[corners[0]];
-  const Eigen::Vector3d ab = state_->vertices[corners[1]] - a;
-  const Eigen::Vector3d ac = state_->vertices[corners[2]] - a;
-  double distance = local->start + static_cast<double>(query.ray.tfar) * state_->radius;
-  Barycentrics weights{query.hit.u, query.hit.v};
-  // Moeller and Trumbore's solution in double precision, unless the ray lies in the plane.
-  const Eigen::Vector3d p = local->unit.cross(ac);
-  const double determinant = ab.dot(p);
-  constexpr double kGrazing_rel = 1e-9;
-  if (std::abs(determinant) > kGrazing_rel * ab.norm() * ac.norm()) {
-    const Eigen::Vector3d from_a = origin - a;
-    const Eigen::Vector3d q = from_a.cross(ab);
-    weights = {from_a.dot(p) / determinant, local->unit.dot(q) / determinant};
-    distance = ac.dot(q) / determinant;
-  }
-  weights = OntoTriangle(weights.u, weights.v);
-  hit.u = weights.u;
-  hit.v = weights.v;
-  hit.distance = std::clamp(distance / local->scale, t_min, t_max);
+  RayHit hit =
+      state_->Refine(origin, *local, {query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v});
+  hit.distance = std::clamp(hit.distance, t_min, t_max);
   return hit;
+}
+
+void RayScene::FirstDistances(const Eigen::Vector3d& origin,
+                              std::span<const Eigen::Vector3d> directions,
+                              std::span<double> distances) const {
+  constexpr size_t kPacket = 8;
+  for (size_t begin = 0; begin < directions.size(); begin += kPacket) {
+    const size_t count = std::min(kPacket, directions.size() - begin);
+    std::array<std::optional<State::LocalRay>, kPacket> local;
+    alignas(32) std::array<int, kPacket> valid{};  // -1: trace
+    RTCRayHit8 query{};
+    bool any = false;
+    for (size_t i = 0; i < count; ++i) {
+      distances[begin + i] = std::numeric_limits<double>::infinity();
+      local[i] = state_->MakeRay(origin, directions[begin + i], 0, kFarthest);
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      if (!local[i]) continue;
+      SetRay(local[i]->ray, i, query.ray);
+      valid[i] = -1;
+      any = true;
+    }
+    if (!any) continue;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect8(valid.data(), state_->scene.get(), &context, &query);
+    for (size_t i = 0; i < count; ++i) {
+      if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      const State::FoundInFloat found{query.hit.primID[i], query.ray.tfar[i], query.hit.u[i],
+                                      query.hit.v[i]};
+      const double distance = state_->Refine(origin, *local[i], found).distance;
+      distances[begin + i] = std::clamp(distance, 0.0, kFarthest);
+    }
+  }
 }
 
 bool RayScene::Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,

@@ -36,6 +36,11 @@ class RayScene {
   /// and v are then computed in double precision, with u, v >= 0 and u + v <= 1.
   std::optional<RayHit> Intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                   double t_min = 0, double t_max = 1e30) const;
+  /// Of each ray from one origin the distance of its first hit, in units of the direction's length;
+  /// infinity where it meets nothing. As Intersect finds it, but for which triangle of a shared
+  /// edge is hit; rays that lie beside one another share their search.
+  void FirstDistances(const Eigen::Vector3d& origin, std::span<const Eigen::Vector3d> directions,
+                      std::span<double> distances) const;
   /// True when anything lies between t_min and t_max.
   bool Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_min,
                 double t_max) const;

@@ -5,14 +5,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace lfm {
 namespace {
 
 using Eigen::Index;
-// Of one size whatever the number of terms: those that are not used stay zero.
-using Terms = Eigen::Matrix<float, kMaxImputationTerms, 1>;
-using Factor = Eigen::Matrix<float, Eigen::Dynamic, kMaxImputationTerms, Eigen::RowMajor>;
 
 // Of the largest singular value: small against what is known of most rows and views, large against
 // noise where little is.
@@ -51,100 +51,178 @@ Eigen::MatrixXf FillGaps(const PartialMatrix& matrix, const Means& means) {
   return filled;
 }
 
-struct Factors {
-  Factor rows, views;
-  float ridge = 0;
+/// Entries sorted for alternating fits. Normal equations depend on what is known alone: rows of
+/// which the same entries are data share theirs.
+struct Entries {
+  Eigen::MatrixXf data;        ///< rows x views; 0 where an entry takes no part
+  Eigen::MatrixXf takes_part;  ///< groups x views; 1, or 0
+  std::vector<Index> group_of_row;
+  struct Bound {
+    Index row, view;
+    float value;
+  };
+  std::vector<Bound> bounds;  ///< their rows have groups of their own
 };
 
-/// Principal terms of the filled matrix, the singular value shared evenly by both sides: then one
-/// ridge holds a weak term back more than a strong one.
-Factors StartFactors(const Eigen::MatrixXf& filled, int terms) {
-  // Products in double: squaring doubles the digits that a weak term needs beside a strong one.
-  const Eigen::MatrixXd exact = filled.cast<double>();
-  const Eigen::MatrixXd gram = exact.transpose() * exact;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
-  Factors factors;
-  factors.rows.setZero(filled.rows(), kMaxImputationTerms);
-  factors.views.setZero(filled.cols(), kMaxImputationTerms);
-  for (int k = 0; k < terms; ++k) {
-    const Index column = filled.cols() - 1 - k;
-    const double singular = std::sqrt(std::max(0.0, solver.eigenvalues()[column]));
-    if (!(singular > 0)) break;
-    const Eigen::VectorXf direction = solver.eigenvectors().col(column).cast<float>();
-    const auto root = static_cast<float>(std::sqrt(singular));
-    factors.views.col(k) = direction * root;
-    factors.rows.col(k) = filled * direction / root;
-    if (k == 0) factors.ridge = kRidge_rel * static_cast<float>(singular);
+Entries SortEntries(const PartialMatrix& matrix) {
+  constexpr Index kBits = 64;
+  const Index rows = matrix.values.rows(), views = matrix.values.cols();
+  Entries entries{Eigen::MatrixXf::Zero(rows, views), {}, {}, {}};
+  // Of each row: a bit a view of which something is known, and last which row's bounds those are.
+  const auto words = static_cast<size_t>((views + kBits - 1) / kBits);
+  std::vector<std::vector<uint64_t>> known(static_cast<size_t>(rows),
+                                           std::vector<uint64_t>(words + 1, 0));
+  for (Index v = 0; v < views; ++v) {
+    for (Index r = 0; r < rows; ++r) {
+      const Knowledge knowledge = matrix.knowledge(r, v);
+      if (knowledge == Knowledge::kMissing) continue;
+      entries.data(r, v) = matrix.values(r, v);
+      std::vector<uint64_t>& of_row = known[static_cast<size_t>(r)];
+      of_row[static_cast<size_t>(v / kBits)] |= uint64_t{1} << (v % kBits);
+      if (knowledge != Knowledge::kLowerBound) continue;
+      entries.bounds.push_back({r, v, matrix.values(r, v)});
+      of_row[words] = static_cast<uint64_t>(r) + 1;
+    }
   }
-  return factors;
+  std::map<std::vector<uint64_t>, Index> groups;
+  std::vector<Index> first_rows;
+  for (Index r = 0; r < rows; ++r) {
+    const auto next = static_cast<Index>(first_rows.size());
+    const auto [at, is_new] = groups.emplace(known[static_cast<size_t>(r)], next);
+    if (is_new) first_rows.push_back(r);
+    entries.group_of_row.push_back(at->second);
+  }
+  entries.takes_part.resize(static_cast<Index>(first_rows.size()), views);
+  for (size_t g = 0; g < first_rows.size(); ++g) {
+    entries.takes_part.row(static_cast<Index>(g)) =
+        (matrix.knowledge.row(first_rows[g]).array() != Knowledge::kMissing).cast<float>();
+  }
+  return entries;
 }
 
-/// Ridge regression of one row (or view) on the other side's terms, by the normal equations; a term
-/// that is zero throughout stays zero, and so does all without a ridge (of data that are zero).
-class Regression {
+/// Bounds count as found: data from now on.
+void SettleBounds(const Eigen::MatrixXf& found, Entries& entries) {
+  for (const Entries::Bound& bound : entries.bounds) {
+    entries.data(bound.row, bound.view) = found(bound.row, bound.view);
+    entries.takes_part(entries.group_of_row[static_cast<size_t>(bound.row)], bound.view) = 1;
+  }
+  entries.bounds.clear();
+}
+
+/// A fit of K terms by alternating ridge regression: rows . views^T.
+template <int K>
+class LowRankFit {
  public:
-  void Add(const Terms& terms, float value) {
-    gram_.noalias() += terms * terms.transpose();
-    right_ += value * terms;
+  using Factor = Eigen::Matrix<float, Eigen::Dynamic, K>;
+
+  /// Starts from the principal terms of the filled matrix, the singular value shared evenly by both
+  /// sides: then one ridge holds a weak term back more than a strong one.
+  explicit LowRankFit(const Eigen::MatrixXf& filled) {
+    // What single precision loses of weak terms, the ridge holds back anyway.
+    Eigen::MatrixXf gram = Eigen::MatrixXf::Zero(filled.cols(), filled.cols());
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(filled.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(gram);
+    rows_.setZero(filled.rows(), K);
+    views_.setZero(filled.cols(), K);
+    for (int k = 0; k < K; ++k) {
+      const Index column = filled.cols() - 1 - k;
+      const float singular = std::sqrt(std::max(0.0F, solver.eigenvalues()[column]));
+      if (!(singular > 0)) break;
+      const auto direction = solver.eigenvectors().col(column);
+      const float root = std::sqrt(singular);
+      views_.col(k) = direction * root;
+      rows_.col(k) = filled * direction / root;
+      if (k == 0) ridge_ = kRidge_rel * singular;
+    }
   }
-  /// `expected`: what little data leave the answer at.
-  Terms Solve(float ridge, const Terms& expected) const {
-    if (!(ridge > 0)) return Terms::Zero();
-    Gram gram = gram_;
-    gram.diagonal().array() += ridge;
-    return gram.llt().solve(right_ + ridge * expected);
+
+  /// Without a ridge the data are zero, and so are the terms.
+  void Sweep(Entries& entries) {
+    if (!(ridge_ > 0)) return;
+    ChooseBounds(entries);
+    FitRows(entries);
+    ChooseBounds(entries);
+    FitViews(entries);
   }
+
+  float At(Index row, Index view) const { return rows_.row(row).dot(views_.row(view)); }
 
  private:
-  using Gram = Eigen::Matrix<float, kMaxImputationTerms, kMaxImputationTerms>;
-  Gram gram_ = Gram::Zero();
-  Terms right_ = Terms::Zero();
+  using Terms = Eigen::Matrix<float, K, 1>;
+  using Gram = Eigen::Matrix<float, K, K>;
+  /// Gram matrices one beside the other, the columns of each strung together.
+  using Grams = Eigen::Matrix<float, Eigen::Dynamic, K * K>;
+
+  static void AddProduct(const Factor& factor, Index from, Grams& grams, Index to) {
+    for (int a = 0; a < K; ++a) {
+      for (int b = 0; b < K; ++b) grams(to, K * a + b) += factor(from, a) * factor(from, b);
+    }
+  }
+
+  Eigen::LLT<Gram> Decompose(const Grams& grams, Index at) const {
+    Gram gram;
+    for (int a = 0; a < K; ++a) {
+      for (int b = 0; b < K; ++b) gram(a, b) = grams(at, K * a + b);
+    }
+    gram.diagonal().array() += ridge_;
+    return gram.llt();
+  }
+
+  /// A bound takes part while the fit lies below it.
+  void ChooseBounds(Entries& entries) const {
+    for (const Entries::Bound& bound : entries.bounds) {
+      const bool active = At(bound.row, bound.view) < bound.value;
+      entries.data(bound.row, bound.view) = active ? bound.value : 0;
+      entries.takes_part(entries.group_of_row[static_cast<size_t>(bound.row)], bound.view) =
+          active ? 1 : 0;
+    }
+  }
+
+  void FitRows(const Entries& entries) {
+    Grams products = Grams::Zero(views_.rows(), K * K);
+    for (Index v = 0; v < views_.rows(); ++v) AddProduct(views_, v, products, v);
+    const Grams grams = entries.takes_part * products;
+    const Factor right = entries.data * views_;
+    std::vector<Eigen::LLT<Gram>> of_groups;
+    for (Index g = 0; g < grams.rows(); ++g) of_groups.push_back(Decompose(grams, g));
+    for (Index r = 0; r < rows_.rows(); ++r) {
+      const Index group = entries.group_of_row[static_cast<size_t>(r)];
+      rows_.row(r) = of_groups[static_cast<size_t>(group)].solve(right.row(r).transpose());
+    }
+  }
+
+  void FitViews(const Entries& entries) {
+    Grams products = Grams::Zero(entries.takes_part.rows(), K * K);
+    for (Index r = 0; r < rows_.rows(); ++r) {
+      AddProduct(rows_, r, products, entries.group_of_row[static_cast<size_t>(r)]);
+    }
+    const Grams grams = entries.takes_part.transpose() * products;
+    const Factor right = entries.data.transpose() * rows_;
+    // A view that tells little looks like the mean of all, not like a darker one.
+    const Terms expected = ridge_ * views_.colwise().mean().transpose();
+    for (Index v = 0; v < views_.rows(); ++v) {
+      const Terms sum = right.row(v).transpose() + expected;
+      views_.row(v) = Decompose(grams, v).solve(sum);
+    }
+  }
+
+  Factor rows_, views_;
+  float ridge_ = 0;
 };
 
-/// One sweep: every row given the views, or, with the roles exchanged by the accessors, the other
-/// way round.
-template <typename Value, typename Kind>
-void Sweep(const Factor& basis, float ridge, const Terms& expected, const Value& value,
-           const Kind& kind, Factor& solved) {
-  for (Index i = 0; i < solved.rows(); ++i) {
-    Regression regression;
-    for (Index j = 0; j < basis.rows(); ++j) {
-      const Knowledge known = kind(i, j);
-      if (known == Knowledge::kMissing) continue;
-      const Terms terms = basis.row(j);
-      const bool reached =
-          known == Knowledge::kLowerBound && solved.row(i).dot(terms.transpose()) >= value(i, j);
-      if (!reached) regression.Add(terms, value(i, j));
-    }
-    solved.row(i) = regression.Solve(ridge, expected).transpose();
-  }
-}
-
-/// Fits `terms` terms, from those of `start`, which has no gaps.
-Factors Fit(const PartialMatrix& matrix, const Eigen::MatrixXf& start, int terms, int sweeps) {
-  Factors factors = StartFactors(start, terms);
-  const auto value = [&](Index r, Index v) { return matrix.values(r, v); };
-  const auto kind = [&](Index r, Index v) { return matrix.knowledge(r, v); };
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    Sweep(factors.views, factors.ridge, Terms::Zero(), value, kind, factors.rows);
-    // A view that tells little looks like the mean of all, not like a darker one.
-    const Terms mean_view = factors.views.colwise().mean().transpose();
-    Sweep(
-        factors.rows, factors.ridge, mean_view, [&](Index v, Index r) { return value(r, v); },
-        [&](Index v, Index r) { return kind(r, v); }, factors.views);
-  }
-  return factors;
-}
-
-/// The matrix with what the fit says where there are no data.
-Eigen::MatrixXf FillFromFit(const PartialMatrix& matrix, const Means& means, const Factors& factors,
-                            float ceiling) {
+/// The matrix with what a fit of K terms, started from `start`, which has no gaps, says where there
+/// are no data.
+template <int K>
+Eigen::MatrixXf FillFromFit(const PartialMatrix& matrix, const Means& means, Entries& entries,
+                            const Eigen::MatrixXf& start, int sweeps, float ceiling) {
+  LowRankFit<K> fit(start);
+  for (int sweep = 0; sweep < sweeps; ++sweep) fit.Sweep(entries);
   Eigen::MatrixXf result = matrix.values;
   for (Index v = 0; v < result.cols(); ++v) {
     for (Index r = 0; r < result.rows(); ++r) {
       const Knowledge known = matrix.knowledge(r, v);
       if (known == Knowledge::kData) continue;
-      float estimate = factors.rows.row(r).dot(factors.views.row(v));
+      float estimate = fit.At(r, v);
       if (known == Knowledge::kLowerBound) {
         estimate = std::max(estimate, matrix.values(r, v));
       } else if (means.row_count[r] == 0 || means.view_count[v] == 0) {
@@ -165,17 +243,20 @@ Eigen::MatrixXf Impute(const PartialMatrix& matrix, float ceiling, int max_terms
   const Means means = MeansOfKnown(matrix);
   const Index most = std::clamp<Index>(matrix.values.cols() / kViewsForATerm, 1,
                                        std::clamp(max_terms, 1, kMaxImputationTerms));
-  const auto first = static_cast<int>(std::min(most, kTermsOfBounds));
-  Eigen::MatrixXf filled =
-      FillFromFit(matrix, means, Fit(matrix, FillGaps(matrix, means), first, kSweeps), ceiling);
+  const Index first = std::min(most, kTermsOfBounds);
+  Entries entries = SortEntries(matrix);
+  const auto fill = first == 1 ? FillFromFit<1> : FillFromFit<2>;
+  Eigen::MatrixXf filled = fill(matrix, means, entries, FillGaps(matrix, means), kSweeps, ceiling);
   const bool gaps = (matrix.knowledge.array() == Knowledge::kMissing).any();
   if (most == first || !gaps) return filled;
-  // More terms would be free to shoot up over bounds: these count as found now.
+  // More terms would be free to shoot up over bounds.
   PartialMatrix rest{filled, matrix.knowledge};
-  for (Knowledge& known : rest.knowledge.reshaped()) {
-    if (known == Knowledge::kLowerBound) known = Knowledge::kData;
+  for (const Entries::Bound& bound : entries.bounds) {
+    rest.knowledge(bound.row, bound.view) = Knowledge::kData;
   }
-  return FillFromFit(rest, means, Fit(rest, filled, static_cast<int>(most), kMoreSweeps), ceiling);
+  SettleBounds(filled, entries);
+  const auto fill_more = most == 3 ? FillFromFit<3> : FillFromFit<kMaxImputationTerms>;
+  return fill_more(rest, means, entries, filled, kMoreSweeps, ceiling);
 }
 
 }  // namespace lfm

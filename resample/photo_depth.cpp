@@ -80,14 +80,20 @@ DepthMap RenderDepth(const TriangleMesh& surface, const RayScene& scene, const C
   map.depth.assign(directions.size(), kNothing);
   const PixelBox box = BoxAround(surface, camera, camera_from_world);
   const Pose world_from_camera = camera_from_world.Inverse();
+  const auto width = static_cast<size_t>(std::max(0, box.x_end - box.x_begin));
+  std::vector<Eigen::Vector3d> rays(width);
+  std::vector<double> distances(width);
   for (int y = box.y_begin; y < box.y_end; ++y) {
-    for (int x = box.x_begin; x < box.x_end; ++x) {
-      const size_t i = static_cast<size_t>(y) * map.width + x;
-      const Eigen::Vector3d& ray = directions[i];
-      if (ray.z() <= 0) continue;
-      const auto hit =
-          scene.Intersect(world_from_camera.translation, world_from_camera.rotation * ray);
-      if (hit) map.depth[i] = static_cast<float>(hit->distance * ray.z());
+    const size_t first = static_cast<size_t>(y) * map.width + box.x_begin;
+    for (size_t x = 0; x < width; ++x) {
+      const Eigen::Vector3d& ray = directions[first + x];
+      rays[x] = ray.z() > 0 ? Eigen::Vector3d(world_from_camera.rotation * ray)
+                            : Eigen::Vector3d::Zero();  // which meets nothing
+    }
+    scene.FirstDistances(world_from_camera.translation, rays, distances);
+    for (size_t x = 0; x < width; ++x) {
+      if (std::isinf(distances[x])) continue;
+      map.depth[first + x] = static_cast<float>(distances[x] * directions[first + x].z());
     }
   }
   return map;

@@ -86,6 +86,29 @@ TEST(RayScene, AgreesWithBruteForce) {
 }
 
 // Rays aimed exactly at vertices and edges of a closed surface from inside must all hit.
+TEST(RayScene, PacketsAgreeWithSingleRays) {
+  constexpr double kDistance_rel = 1e-12;
+  const RayScene scene(BigTorus());
+  RandomPoints random(5);
+  const Eigen::Vector3d origin(40, 70, 200);
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < 1003; ++i) directions.push_back(random.Point(30) - origin);
+  directions[7].setZero();
+  directions[8].x() = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> distances(directions.size(), -1);
+  scene.FirstDistances(origin, directions, distances);
+  int hits = 0;
+  for (size_t i = 0; i < directions.size(); ++i) {
+    const auto hit = scene.Intersect(origin, directions[i]);
+    ASSERT_EQ(hit.has_value(), std::isfinite(distances[i])) << i;
+    if (!hit) continue;
+    ++hits;
+    EXPECT_NEAR(distances[i], hit->distance, kDistance_rel * hit->distance) << i;
+  }
+  EXPECT_GT(hits, 100);
+  EXPECT_LT(hits, 900);
+}
+
 TEST(RayScene, IsWatertight) {
   const TriangleMesh mesh = Moved(BigTorus(), {1234.5, -987, 0});
   const RayScene scene(mesh);
