@@ -26,6 +26,7 @@ struct MapCompressionOptions {
   CodebookStart vq_start = CodebookStart::kSplitting;
   PageBlocks blocks = PageBlocks::kNone;
   BlockQuality block_quality = BlockQuality::kGood;
+  double edge_weight = 4;
   void Declare(OptionVisitor& v) {
     v.Number({"vq-ratio",
               "Vector quantisation: triangles share surface maps and mean views, vertices share "
@@ -48,6 +49,12 @@ struct MapCompressionOptions {
                   {"none", "bc1", "bc4"}, blocks);
     v.Enumeration({"block-quality", "How long the best blocks are searched."},
                   {"fast", "good", "best"}, block_quality);
+    v.Number({"edge-weight",
+              "How much jumps across triangle edges count beside errors when maps are shared or "
+              "put in blocks: more makes seams fainter and loses more elsewhere; 0 = each side by "
+              "itself.",
+              "", 0, 100},
+             edge_weight);
   }
   bool WantsCodebooks() const { return vq_ratio > 1 || vq_db > 0; }
   bool WantsAnything() const { return WantsCodebooks() || blocks != PageBlocks::kNone; }

@@ -28,6 +28,7 @@ struct PatchPlacement {
   Eigen::Vector2i origin = {0, 0};
   bool flipped = false;
   int edge_samples = 2;
+  bool operator==(const PatchPlacement&) const = default;
 };
 
 /// A surface light field in factored, quantised form: what `model.glb` holds and the renderers show
@@ -124,6 +125,12 @@ struct SharedPlacements {
   int64_t Bytes() const;
 };
 SharedPlacements FindSharedPlacements(const std::vector<PatchPlacement>& placements);
+
+/// The first of the lists that is equal to list `k`: files hold it once.
+template <typename List>
+int FirstEqual(const std::vector<List>& lists, int k) {
+  return static_cast<int>(std::find(lists.begin(), lists.begin() + k, lists[k]) - lists.begin());
+}
 
 /// Each vertex's place when those with more terms come first (among equals the lower index): the
 /// first tiles of the view pages are then those of every term.

@@ -43,12 +43,14 @@ struct PatchPages {
 
 PatchPages LayOutCodes(const PatchCodes& codes, const CodebookLayout& how) {
   const PatchLayout layout =
-      PlacePatches(codes.edge_samples, {}, how.max_texture_size, how.spacing);
+      PlacePatches(codes.edge_samples, {}, how.max_texture_size, how.spacing, how.alignment);
   PatchPages result{MakePages(layout.page_sizes), {}};
   for (size_t i = 0; i < codes.texels.size(); ++i) {
     const PatchPlacement& placement = layout.placements[i];
     WritePatch(result.pages[placement.page], placement, codes.texels[i].data(), 0, 3);
-    CompletePatch(result.pages[placement.page], placement);
+    if (how.spacing != PatchSpacing::kNone) {
+      CompletePatch(result.pages[placement.page], placement);
+    }
   }
   for (const int code : codes.code_of) {
     result.placements.push_back(code >= 0 ? layout.placements[code] : PatchPlacement{});

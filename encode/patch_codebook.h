@@ -15,6 +15,7 @@ namespace lfm {
 struct CodebookLayout {
   CodebookStart start = CodebookStart::kSplitting;
   PatchSpacing spacing = PatchSpacing::kCompletions;
+  PatchAlignment alignment = PatchAlignment::kTexels;
   int max_texture_size = 4096;
 };
 
