@@ -4,18 +4,14 @@
 #include <algorithm>
 
 #include "encode/shared_samples.h"
-#include "encode/tiling.h"
 
 namespace lfm {
 namespace {
 
-EdgeLink::Sample SampleAt(const PatchPlacement& placement, int edge, int step) {
-  const int rest = placement.edge_samples - 1 - step;
-  const Eigen::Vector2i at = edge == 0   ? Eigen::Vector2i(step, 0)
-                             : edge == 1 ? Eigen::Vector2i(rest, step)
-                                         : Eigen::Vector2i(0, rest);
-  const Eigen::Vector2i texel = TexelOfSample(placement, at.x(), at.y());
-  return {placement.page, texel.x(), texel.y()};
+Eigen::Vector2i SampleAt(int n, int edge, int step) {
+  const int rest = n - 1 - step;
+  if (edge == 0) return {step, 0};
+  return edge == 1 ? Eigen::Vector2i(rest, step) : Eigen::Vector2i(0, rest);
 }
 
 std::array<int, 3> MeetingCorners(const Eigen::Vector3i& own, const Eigen::Vector3i& other) {
@@ -31,24 +27,24 @@ std::array<int, 3> MeetingCorners(const Eigen::Vector3i& own, const Eigen::Vecto
 
 }  // namespace
 
-std::vector<EdgeLink> FindEdgeLinks(const TriangleMesh& mesh,
-                                    const std::vector<PatchPlacement>& placements,
-                                    const std::function<bool(int triangle)>& wanted,
+std::vector<EdgeLink> FindEdgeLinks(const TriangleMesh& mesh, std::span<const int> edge_samples,
                                     PatchChannels channels) {
-  std::vector<int> owners, edge_samples;
+  std::vector<int> owners, sizes;
   std::vector<Eigen::Vector3i> triangles;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
-    if (!wanted(t)) continue;
+    if (edge_samples[t] == 0) continue;
     owners.push_back(t);
     triangles.push_back(mesh.triangles[t]);
-    edge_samples.push_back(placements[t].edge_samples);
+    sizes.push_back(edge_samples[t]);
   }
   std::vector<EdgeLink> links;
-  for (const SharedEdge& edge : FindSharedSamples(triangles, edge_samples).edges) {
+  for (const SharedEdge& edge : FindSharedSamples(triangles, sizes).edges) {
     for (size_t u = 0; u < edge.uses.size() && edge.uses.size() > 1; ++u) {
       const EdgeUse& own = edge.uses[u];
       const EdgeUse& other = edge.uses[(u + 1) % edge.uses.size()];
-      EdgeLink link{owners[own.patch], owners[other.patch], {}, {}, 0, {0, 1, 2}};
+      EdgeLink link;
+      link.triangle = owners[own.patch];
+      link.neighbor = owners[other.patch];
       if (channels == PatchChannels::kCorners) {
         link.channels = MeetingCorners(triangles[own.patch], triangles[other.patch]);
       }
@@ -56,9 +52,9 @@ std::vector<EdgeLink> FindEdgeLinks(const TriangleMesh& mesh,
       for (int step = 0; step <= last; ++step) {
         const int place = own.reversed == other.reversed ? step : last - step;
         const int before = std::min(place * other_last / last, other_last - 1);
-        link.own = SampleAt(placements[link.triangle], own.edge, step);
+        link.own = SampleAt(own.edge_samples, own.edge, step);
         for (int i = 0; i < 2; ++i) {
-          link.other[i] = SampleAt(placements[link.neighbor], other.edge, before + i);
+          link.other[i] = SampleAt(other.edge_samples, other.edge, before + i);
         }
         link.share = static_cast<float>(place * other_last) / static_cast<float>(last) -
                      static_cast<float>(before);

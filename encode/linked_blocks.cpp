@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/parallel.h"
+#include "encode/tiling.h"
 
 namespace lfm {
 namespace {
@@ -27,7 +28,7 @@ struct BlockNumbers {
     first.push_back(next);
   }
   int count() const { return first.back(); }
-  int Of(const EdgeLink::Sample& at) const {
+  int Of(const PatchLink::Texel& at) const {
     return first[at.page] + at.y / kSide * columns[at.page] + at.x / kSide;
   }
 };
@@ -51,8 +52,8 @@ struct Target {
 class LinkedBlocks {
  public:
   LinkedBlocks(const std::vector<Image>& pages, BlockFormat format,
-               std::vector<PageWeights> weights, std::span<const EdgeLink> links,
-               std::span<const float> link_weights, double edge_weight, BlockQuality quality)
+               std::vector<PageWeights> weights, std::span<const PatchLink> links,
+               double edge_weight, BlockQuality quality)
       : pages_(pages),
         format_(format),
         given_(std::move(weights)),
@@ -62,8 +63,8 @@ class LinkedBlocks {
     boosted_ = given_;
     links_of_.resize(numbers_.count());
     for (size_t i = 0; i < links.size(); ++i) {
-      link_weights_.push_back(static_cast<float>(edge_weight) * link_weights[i]);
-      const EdgeLink::Sample& own = links[i].own;
+      link_weights_.push_back(static_cast<float>(edge_weight) * links[i].weight);
+      const PatchLink::Texel& own = links[i].own;
       boosted_[own.page].texels[size_t{1} * own.y * pages[own.page].width() + own.x] +=
           link_weights_[i];
       links_of_[numbers_.Of(own)].push_back(static_cast<int>(i));
@@ -89,9 +90,9 @@ class LinkedBlocks {
   // Blocks of one colour have no links to each other: they may be coded at once.
   void ColorBlocks() {
     std::vector<std::vector<int>> near(numbers_.count());
-    for (const EdgeLink& link : links_) {
+    for (const PatchLink& link : links_) {
       const int own = numbers_.Of(link.own);
-      for (const EdgeLink::Sample& sample : link.other) {
+      for (const PatchLink::Texel& sample : link.other) {
         const int other = numbers_.Of(sample);
         if (other == own) continue;
         near[own].push_back(other);
@@ -113,10 +114,10 @@ class LinkedBlocks {
     }
   }
 
-  double Shown(const EdgeLink& link, int channel) const {
+  double Shown(const PatchLink& link, int channel) const {
     double value = 0;
     for (int i = 0; i < 2; ++i) {
-      const EdgeLink::Sample& at = link.other[i];
+      const PatchLink::Texel& at = link.other[i];
       value += (i == 0 ? 1 - link.share : link.share) *
                static_cast<double>(shown_[at.page].At<uint8_t>(at.x, at.y, channel));
     }
@@ -132,7 +133,7 @@ class LinkedBlocks {
       for (int c = 0; c < 3; ++c) target.values[i][c] = given.weights[i] * given.texels[i][c];
     }
     for (const int l : links_of_[block]) {
-      const EdgeLink& link = links_[l];
+      const PatchLink& link = links_[l];
       const int i = link.own.y % kSide * kSide + link.own.x % kSide;
       for (int c = 0; c < 3; ++c) {
         const double wanted =
@@ -182,7 +183,7 @@ class LinkedBlocks {
   const std::vector<Image>& pages_;
   const BlockFormat format_;
   std::vector<PageWeights> given_, boosted_;
-  std::span<const EdgeLink> links_;
+  std::span<const PatchLink> links_;
   std::vector<float> link_weights_;  // times the edge weight
   BlockNumbers numbers_;
   const BlockQuality quality_;
@@ -194,14 +195,26 @@ class LinkedBlocks {
 
 }  // namespace
 
+PatchLink InPages(const EdgeLink& link, const std::vector<PatchPlacement>& placements,
+                  float weight) {
+  const auto texel = [&](int triangle, const Eigen::Vector2i& sample) {
+    const PatchPlacement& placement = placements[triangle];
+    const Eigen::Vector2i at = TexelOfSample(placement, sample.x(), sample.y());
+    return PatchLink::Texel{placement.page, at.x(), at.y()};
+  };
+  return {texel(link.triangle, link.own),
+          {texel(link.neighbor, link.other[0]), texel(link.neighbor, link.other[1])},
+          link.share,
+          link.channels,
+          weight};
+}
+
 std::vector<BlockPage> EncodeLinkedPages(const std::vector<Image>& pages, BlockFormat format,
                                          std::vector<PageWeights> weights,
-                                         std::span<const EdgeLink> links,
-                                         std::span<const float> link_weights, double edge_weight,
+                                         std::span<const PatchLink> links, double edge_weight,
                                          BlockQuality quality) {
   if (!(edge_weight > 0)) links = {};
-  return LinkedBlocks(pages, format, std::move(weights), links, link_weights, edge_weight, quality)
-      .Encode();
+  return LinkedBlocks(pages, format, std::move(weights), links, edge_weight, quality).Encode();
 }
 
 }  // namespace lfm

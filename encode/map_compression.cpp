@@ -111,7 +111,7 @@ LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldMod
   const bool in_blocks = options.blocks != PageBlocks::kNone;
   const CodebookLayout layout{options.vq_start, PatchSpacing::kCompletions,
                               in_blocks ? PatchAlignment::kRectangles : PatchAlignment::kTexels,
-                              limits.max_texture_size};
+                              limits.max_texture_size, options.edge_weight};
   const MapScales scales = MeasureMapScales(model);
   LightFieldModel result = model;
   std::vector<int> view_codes;

@@ -84,30 +84,35 @@ std::vector<PageWeights> SurfaceWeights(const LightFieldModel& model, const MapS
 
 std::vector<BlockPage> CodeMeanPages(const LightFieldModel& model,
                                      const MapCompressionOptions& options) {
-  const std::vector<EdgeLink> links = FindEdgeLinks(
-      model.mesh, model.placements, [](int) { return true; }, PatchChannels::kColors);
+  std::vector<int> edge_samples;
+  for (const PatchPlacement& placement : model.placements) {
+    edge_samples.push_back(placement.edge_samples);
+  }
+  std::vector<PatchLink> links;
+  for (const EdgeLink& link : FindEdgeLinks(model.mesh, edge_samples, PatchChannels::kColors)) {
+    links.push_back(InPages(link, model.placements, 1));
+  }
   return EncodeLinkedPages(model.mean_pages, BlockFormat::kBc1, MeanWeights(model), links,
-                           std::vector<float>(links.size(), 1.f), options.edge_weight,
-                           options.block_quality);
+                           options.edge_weight, options.block_quality);
 }
 
 std::vector<BlockPage> CodeSurfacePages(const LightFieldModel& model, const MapScales& scales,
                                         int term, const MapCompressionOptions& options) {
   const std::vector<PatchPlacement>& placements =
       model.surface_placements.empty() ? model.placements : model.surface_placements[term];
-  const std::vector<EdgeLink> links = FindEdgeLinks(
-      model.mesh, placements, [&](int t) { return model.TriangleTerms(t) > term; },
-      PatchChannels::kCorners);
-  std::vector<float> weights;
-  for (const EdgeLink& link : links) {
-    const Channels channels = CornerWeights(model, scales, term, link.triangle);
-    weights.push_back((channels[0] + channels[1] + channels[2]) / 3);
+  std::vector<int> edge_samples;
+  for (int t = 0; t < static_cast<int>(placements.size()); ++t) {
+    edge_samples.push_back(model.TriangleTerms(t) > term ? placements[t].edge_samples : 0);
   }
-  return EncodeLinkedPages(
-      model.surface_pages[term],
-      options.blocks == PageBlocks::kBc4 ? BlockFormat::kBc4 : BlockFormat::kBc1,
-      SurfaceWeights(model, scales, term), links, weights, options.edge_weight,
-      options.block_quality);
+  std::vector<PatchLink> links;
+  for (const EdgeLink& link : FindEdgeLinks(model.mesh, edge_samples, PatchChannels::kCorners)) {
+    const Channels channels = CornerWeights(model, scales, term, link.triangle);
+    links.push_back(InPages(link, placements, (channels[0] + channels[1] + channels[2]) / 3));
+  }
+  const BlockFormat format =
+      options.blocks == PageBlocks::kBc4 ? BlockFormat::kBc4 : BlockFormat::kBc1;
+  return EncodeLinkedPages(model.surface_pages[term], format, SurfaceWeights(model, scales, term),
+                           links, options.edge_weight, options.block_quality);
 }
 
 std::vector<Image> DecodePages(const std::vector<BlockPage>& blocks) {
