@@ -70,7 +70,8 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
   const auto triangles = static_cast<int>(model.mesh.triangles.size());
   std::vector<int> sizes;
   for (int t = 0; t < triangles; ++t) sizes.push_back(edge_samples(t, 0));
-  PatchLayout mean = PlacePatches(sizes, {}, max_texture_size, spacing.mean, spacing.alignment);
+  PatchLayout mean =
+      PlacePatches(sizes, {}, max_texture_size, spacing.mean, spacing.mean_alignment);
   separate.placements = std::move(mean.placements);
   separate.mean_pages = MakePages(mean.page_sizes);
   for (int k = 0; k < model.terms; ++k) {
@@ -82,7 +83,7 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
       sizes.push_back(edge_samples(t, k + 1));
     }
     const PatchLayout layout =
-        PlacePatches(sizes, {}, max_texture_size, spacing.surface, spacing.alignment);
+        PlacePatches(sizes, {}, max_texture_size, spacing.surface, spacing.surface_alignment);
     separate.surface_pages.push_back(MakePages(layout.page_sizes));
     separate.surface_placements.emplace_back(triangles, PatchPlacement{});
     for (size_t i = 0; i < owners.size(); ++i) {
@@ -101,7 +102,7 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
 
 LightFieldModel SeparateSurfaceMaps(const LightFieldModel& model, int max_texture_size,
                                     const SeparateSpacing& spacing) {
-  if (model.terms == 0 && spacing.alignment == PatchAlignment::kTexels) return model;
+  if (model.terms == 0 && spacing.mean_alignment == PatchAlignment::kTexels) return model;
   LightFieldModel separate = LayOutSeparately(
       model,
       [&](int t, int layer) {

@@ -12,7 +12,8 @@ namespace lfm {
 struct SeparateSpacing {
   PatchSpacing mean = PatchSpacing::kNeighbors;
   PatchSpacing surface = PatchSpacing::kCompletions;  ///< only our own renderers read them
-  PatchAlignment alignment = PatchAlignment::kTexels;
+  PatchAlignment mean_alignment = PatchAlignment::kTexels;
+  PatchAlignment surface_alignment = PatchAlignment::kTexels;
 };
 
 /// A model of the same mesh, terms, ranges and view tiles with nothing in its pages, whose mean
@@ -25,7 +26,8 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
                                  int max_texture_size, const SeparateSpacing& spacing = {});
 
 /// The same maps laid out so, every sample of them; what the spacing leaves room for is filled. A
-/// model without terms stays as it is unless it is to be aligned. `model` shares no patches.
+/// model without terms stays as it is unless its mean views are to be aligned. `model` shares no
+/// patches.
 LightFieldModel SeparateSurfaceMaps(const LightFieldModel& model, int max_texture_size,
                                     const SeparateSpacing& spacing = {});
 

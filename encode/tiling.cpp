@@ -31,10 +31,13 @@ struct Rectangle {
   PatchAlignment alignment = PatchAlignment::kTexels;
   int margin() const { return spacing == PatchSpacing::kNeighbors ? 1 : 0; }
   int diagonal() const { return spacing == PatchSpacing::kNone ? 0 : 1; }
-  int width() const { return Whole(edge_samples + 1 + diagonal() + 2 * margin()); }
-  int height() const { return Whole(edge_samples + diagonal() + 2 * margin()); }
-  int Whole(int side) const {
+  int width() const {
+    const int side = edge_samples + 1 + diagonal() + 2 * margin();
     return alignment == PatchAlignment::kRectangles ? WholeBlocks(side) : side;
+  }
+  int height() const {
+    const int side = edge_samples + diagonal() + 2 * margin();
+    return alignment >= PatchAlignment::kShelves ? WholeBlocks(side) : side;
   }
   // The side of a page that ends where this rectangle does.
   int PageSide(int side) const {

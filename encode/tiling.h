@@ -21,7 +21,8 @@ enum class PatchSpacing {
 enum class PatchAlignment {
   kTexels,      ///< nothing
   kPages,       ///< pages: blocks may hold texels of several rectangles
-  kRectangles,  ///< rectangles too: no block mixes them
+  kShelves,     ///< rows of rectangles too: of two that stand side by side
+  kRectangles,  ///< every rectangle: no block mixes them
 };
 
 /// Where every triangle's patch lies.

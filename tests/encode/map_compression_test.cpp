@@ -110,10 +110,10 @@ TEST_F(MapCompression, PagesAreWhatTheirBlocksSay) {
   EXPECT_EQ(model.blocks.surface[0][0].blocks.size() * 2, model.surface_pages[0][0].Bytes().size());
 }
 
-// No block holds texels of two rectangles of codes: what is shared lies beside anything.
-TEST_F(MapCompression, RectanglesOfCodesAreWholeBlocks) {
-  {
-    const LightFieldModel model = Compressed({.vq_ratio = 3, .blocks = PageBlocks::kBc1});
+// No block holds texels of two rectangles of the mean view.
+TEST_F(MapCompression, RectanglesOfMeanViewsAreWholeBlocks) {
+  for (const double ratio : {1.0, 3.0}) {
+    const LightFieldModel model = Compressed({.vq_ratio = ratio, .blocks = PageBlocks::kBc1});
     std::map<std::array<int, 3>, std::set<std::array<int, 3>>> users;  // block -> rectangles
     for (const PatchPlacement& p : model.placements) {
       const int n = p.edge_samples, sign = p.flipped ? -1 : 1;

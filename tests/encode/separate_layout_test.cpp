@@ -46,9 +46,9 @@ TEST_F(SeparateLayout, HoldsTheSameMapsInFewerBytes) {
   EXPECT_LT(apart_.MapsBytes(), joined_.MapsBytes());
   for (const LightFieldModel& model :
        {joined_, SeparateSurfaceMaps(joined_, 4096),
-        SeparateSurfaceMaps(
-            joined_, 256,
-            {PatchSpacing::kCompletions, PatchSpacing::kNone, PatchAlignment::kPages})}) {
+        SeparateSurfaceMaps(joined_, 256,
+                            {PatchSpacing::kCompletions, PatchSpacing::kNone,
+                             PatchAlignment::kRectangles, PatchAlignment::kPages})}) {
     EXPECT_NO_THROW(ValidateModel(model, "model"));
     ExpectSameMaps(model, apart_);
     for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {

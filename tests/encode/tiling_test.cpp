@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <numeric>
 #include <random>
@@ -44,13 +43,14 @@ void ExpectDisjointAndInside(const PatchLayout& layout, const std::vector<int>& 
   }
 }
 
-// Whole blocks of 4 x 4 texels: of pages, or of rectangles too.
+// Whole blocks of 4 x 4 texels: of pages, of rows of rectangles, or of each.
 TEST(Tiling, AlignsPagesOrRectanglesToBlocks) {
   std::mt19937 random(6);
   std::vector<int> sizes(333);
   for (int& n : sizes) n = 2 + static_cast<int>(random() % 30);
   for (const int max_size : {4096, 255}) {
-    for (const auto alignment : {PatchAlignment::kPages, PatchAlignment::kRectangles}) {
+    for (const auto alignment :
+         {PatchAlignment::kPages, PatchAlignment::kShelves, PatchAlignment::kRectangles}) {
       const PatchLayout layout =
           PlacePatches(sizes, {}, max_size, PatchSpacing::kCompletions, alignment);
       for (const auto& size : layout.page_sizes) {
@@ -58,14 +58,14 @@ TEST(Tiling, AlignsPagesOrRectanglesToBlocks) {
         EXPECT_EQ(size.y() % 4, 0);
         EXPECT_LE(size.maxCoeff(), max_size);
       }
-      int aligned = 0;
+      int unflipped = 0, columns = 0, rows = 0;
       for (const PatchPlacement& p : layout.placements) {
-        aligned += !p.flipped && p.origin.x() % 4 == 0 && p.origin.y() % 4 == 0;
+        unflipped += !p.flipped;
+        columns += !p.flipped && p.origin.x() % 4 == 0;
+        rows += !p.flipped && p.origin.y() % 4 == 0;
       }
-      const int unflipped =
-          static_cast<int>(std::count_if(layout.placements.begin(), layout.placements.end(),
-                                         [](const PatchPlacement& p) { return !p.flipped; }));
-      EXPECT_EQ(aligned == unflipped, alignment == PatchAlignment::kRectangles);
+      EXPECT_EQ(columns == unflipped, alignment == PatchAlignment::kRectangles);
+      EXPECT_EQ(rows == unflipped, alignment != PatchAlignment::kPages);
     }
   }
 }
