@@ -233,17 +233,27 @@ TEST_F(MapCompression, JumpsAcrossEdgesStayBounded) {
   struct Case {
     MapCompressionOptions options;
     double largest, rms;  // levels of 255
+    double share;         // of the RMS of jumps where each side is coded by itself
+    double loss_db;       // against that
   };
-  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 45, 7},
-                        {{.blocks = PageBlocks::kBc1}, 60, 8},
-                        {{.vq_ratio = 4}, 40, 5},
-                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 80, 12}};
+  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 18, 3.0, 0.65, 0.6},
+                        {{.blocks = PageBlocks::kBc1}, 24, 3.4, 0.65, 0.9},
+                        {{.vq_ratio = 4}, 10, 0.8, 0.5, 0.3},
+                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 34, 5.7, 0.7, 1.0}};
   for (const Case& one : cases) {
-    const EdgeJumps jumps = JumpsAcrossEdges(Compressed(one.options));
-    std::printf("largest %.1f, rms %.2f levels\n", jumps.largest, jumps.rms);
+    MapCompressionOptions apart = one.options;
+    apart.edge_weight = 0;
+    const LightFieldModel alone = Compressed(apart), model = Compressed(one.options);
+    const EdgeJumps before = JumpsAcrossEdges(alone), jumps = JumpsAcrossEdges(model);
+    const double loss_db = MatrixPsnr(alone) - MatrixPsnr(model);
+    std::printf("largest %.1f, rms %.2f levels; before %.1f, %.2f; %.2f dB\n", jumps.largest,
+                jumps.rms, before.largest, before.rms, loss_db);
     EXPECT_GE(jumps.rms, plain.rms);
     EXPECT_LE(jumps.largest, one.largest);
     EXPECT_LE(jumps.rms, one.rms);
+    EXPECT_LE(jumps.rms, one.share * before.rms);
+    EXPECT_LE(loss_db, one.loss_db);
+    EXPECT_EQ(alone.MapsBytes(), model.MapsBytes());
   }
 }
 
