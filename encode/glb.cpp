@@ -209,6 +209,7 @@ void AddPlaces(const LightFieldModel& model, json& extension, GlbBuilder& builde
     return;
   }
   extension["meanCodebook"] = PatchCodebook(model.placements, builder);
+  if (model.terms == 0) return;
   json& patches = extension["surfaceCodebooks"];
   for (int k = 0; k < static_cast<int>(model.surface_placements.size()); ++k) {
     const int first = FirstEqual(model.surface_placements, k);

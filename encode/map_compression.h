@@ -76,10 +76,11 @@ struct MapCompressionLimits {
 ///
 /// How many codes each group of maps gets (one group a patch size and term, mean views and view
 /// maps too), and whether its patches keep every sample, every second or every fourth, follows from
-/// what that saves there (map_groups.h). Shared patches are not continuous over edges. `model` is
-/// one from Encode, uncompressed. A ratio that one code a group does not reach gives one code a
-/// group. Throws Error when both drives of the vector quantisation are given, or blocks are and the
-/// view grid is no multiple of 4.
+/// what that saves there (map_groups.h). What is shared or in blocks is not continuous over edges;
+/// codes and blocks are chosen beside what the neighbours have (linked_codebooks.h,
+/// linked_blocks.h). `model` is one from Encode, uncompressed. A ratio that one code a group does
+/// not reach gives one code a group. Throws Error when both drives of the vector quantisation are
+/// given, or blocks are and the view grid is no multiple of 4.
 LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldModel& model,
                              const MapCompressionOptions& options,
                              const MapCompressionLimits& limits, Progress& progress);
