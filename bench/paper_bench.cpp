@@ -54,6 +54,8 @@ int64_t BytesOfFirstTerms(const LightFieldModel& model, int terms) {
   first.terms = terms;
   first.surface_pages.resize(terms);
   first.view_pages.resize(terms);
+  first.surface_placements.resize(terms);
+  first.view_codes.resize(terms);
   first.surface_ranges.resize(terms * model.mesh.vertices.size());
   first.view_ranges.resize(terms * model.mesh.vertices.size());
   return first.MapsBytes();

@@ -12,6 +12,7 @@
 #include "encode/disc_views.h"
 #include "encode/gutters.h"
 #include "encode/model_layout.h"
+#include "encode/separate_layout.h"
 #include "resample/light_field.h"
 
 namespace lfm {
@@ -175,12 +176,13 @@ LightFieldModel AfxForm(const LightFieldModel& model, AfxViewMaps view_maps) {
         "nonnegative terms hold the mean view, which AFX would add twice; take --factorization "
         "pca, or leave --afx out");
   }
-  if (!model.surface_placements.empty() || !model.view_codes.empty()) {
+  if (!HasWholeMaps(model)) {
     throw Error(
         "AFX is written of whole maps: leave --vq-ratio and --vq-db out and take --patch-detail "
         "full, or leave --afx out");
   }
-  const LightFieldModel ordered = InPageOrder(model);
+  const LightFieldModel ordered =
+      InPageOrder(model.surface_placements.empty() ? model : JoinSurfaceMaps(model));
   const bool onto_disc = view_maps == AfxViewMaps::kDisc && model.terms > 0 &&
                          model.direction_map != DirectionMap::kOrthographic;
   const MapReader reader(ordered, onto_disc);

@@ -170,39 +170,17 @@ void PolishBc1(const std::array<Rgb, 16>& texels, const TexelWeights& weights,
   }
 }
 
-void CheckPage(const Image& page, BlockFormat format, const PageWeights& weights) {
+void CheckPage(const Image& page, const PageWeights& weights) {
   const auto require = [](bool condition, const char* problem) {
     if (!condition) throw Error(std::string("block compression: ") + problem);
   };
   require(page.type() == PixelType::kUint8 && page.channels() == 3, "a page is not 8-bit RGB");
   require(page.width() % kSide == 0 && page.height() % kSide == 0 && page.width() > 0,
           "a page's sides are not multiples of 4");
-  require(format == BlockFormat::kBc1 || format == BlockFormat::kBc4,
-          "pages are coded in BC1 or BC4");
   const size_t texels = size_t{1} * page.width() * page.height();
   require(weights.texels.empty() || weights.texels.size() == texels, "weights do not fit the page");
   require(weights.channels.empty() || weights.channels.size() == texels / 16,
           "weights of channels do not fit the page");
-}
-
-// The 16 texels of a block and their weights.
-struct BlockTexels {
-  std::array<Rgb, 16> texels;
-  TexelWeights weights;
-  std::array<float, 3> channel_weights{1, 1, 1};
-};
-BlockTexels TexelsOf(const Image& page, const PageWeights& weights, int column, int row) {
-  BlockTexels block;
-  for (int i = 0; i < 16; ++i) {
-    const int x = column * kSide + i % kSide, y = row * kSide + i / kSide;
-    std::copy_n(&page.At<uint8_t>(x, y), 3, block.texels[i].data());
-    block.weights[i] =
-        weights.texels.empty() ? 1.f : weights.texels[size_t{1} * y * page.width() + x];
-  }
-  if (!weights.channels.empty()) {
-    block.channel_weights = weights.channels[size_t{1} * row * (page.width() / kSide) + column];
-  }
-  return block;
 }
 
 }  // namespace
@@ -269,31 +247,78 @@ Block EncodeBc4(const std::array<uint8_t, 16>& texels, const TexelWeights& weigh
   return PackBc4(texels, best);
 }
 
+BlockTexels TexelsOfBlock(const Image& page, const PageWeights& weights, int column, int row) {
+  BlockTexels block;
+  for (int i = 0; i < 16; ++i) {
+    const int x = column * kSide + i % kSide, y = row * kSide + i / kSide;
+    std::copy_n(&page.At<uint8_t>(x, y), 3, block.texels[i].data());
+    block.weights[i] =
+        weights.texels.empty() ? 1.f : weights.texels[size_t{1} * y * page.width() + x];
+  }
+  if (!weights.channels.empty()) {
+    block.channel_weights = weights.channels[size_t{1} * row * (page.width() / kSide) + column];
+  }
+  return block;
+}
+
+BlockPlanes EncodeBlock(const BlockTexels& texels, BlockFormat format, BlockQuality quality) {
+  BlockPlanes planes{};
+  if (format == BlockFormat::kBc1) {
+    planes[0] = EncodeBc1(texels.texels, texels.weights, texels.channel_weights, quality);
+    return planes;
+  }
+  for (int c = 0; c < 3; ++c) {
+    std::array<uint8_t, 16> channel;
+    for (int i = 0; i < 16; ++i) channel[i] = texels.texels[i][c];
+    planes[c] = EncodeBc4(channel, texels.weights, quality);
+  }
+  return planes;
+}
+
+std::array<Rgb, 16> DecodeBlock(const BlockPlanes& planes, BlockFormat format) {
+  if (format == BlockFormat::kBc1) return DecodeBc1(planes[0]);
+  std::array<Rgb, 16> texels;
+  for (int c = 0; c < 3; ++c) {
+    const std::array<uint8_t, 16> channel = DecodeBc4(planes[c]);
+    for (int i = 0; i < 16; ++i) texels[i][c] = channel[i];
+  }
+  return texels;
+}
+
 BlockPage EncodePage(const Image& page, BlockFormat format, const PageWeights& weights,
                      BlockQuality quality) {
-  CheckPage(page, format, weights);
+  CheckPage(page, weights);
   const int columns = page.width() / kSide, rows = page.height() / kSide;
   BlockPage result{page.width(), page.height(), format == BlockFormat::kBc1 ? 1 : 3, {}};
-  const size_t plane = size_t{1} * columns * rows * sizeof(Block);
-  result.blocks.resize(result.planes * plane);
+  result.blocks.resize(size_t{1} * result.planes * columns * rows * sizeof(Block));
   ParallelFor(0, rows, [&](int64_t row) {
     for (int column = 0; column < columns; ++column) {
-      const BlockTexels from = TexelsOf(page, weights, column, static_cast<int>(row));
-      uint8_t* to = result.blocks.data() + (row * columns + column) * sizeof(Block);
-      if (format == BlockFormat::kBc1) {
-        const Block block = EncodeBc1(from.texels, from.weights, from.channel_weights, quality);
-        std::copy(block.begin(), block.end(), to);
-        continue;
-      }
-      for (int c = 0; c < 3; ++c) {
-        std::array<uint8_t, 16> channel;
-        for (int i = 0; i < 16; ++i) channel[i] = from.texels[i][c];
-        const Block block = EncodeBc4(channel, from.weights, quality);
-        std::copy(block.begin(), block.end(), to + c * plane);
-      }
+      const auto y = static_cast<int>(row);
+      WriteBlock(EncodeBlock(TexelsOfBlock(page, weights, column, y), format, quality), column, y,
+                 result);
     }
   });
   return result;
+}
+
+BlockPlanes ReadBlock(const BlockPage& page, int column, int row) {
+  const size_t plane = page.blocks.size() / page.planes;
+  BlockPlanes planes{};
+  for (int c = 0; c < page.planes; ++c) {
+    std::copy_n(page.blocks.data() + c * plane +
+                    (size_t{1} * row * (page.width / kSide) + column) * sizeof(Block),
+                sizeof(Block), planes[c].begin());
+  }
+  return planes;
+}
+
+void WriteBlock(const BlockPlanes& planes, int column, int row, BlockPage& page) {
+  const size_t plane = page.blocks.size() / page.planes;
+  for (int c = 0; c < page.planes; ++c) {
+    std::copy(planes[c].begin(), planes[c].end(),
+              page.blocks.data() + c * plane +
+                  (size_t{1} * row * (page.width / kSide) + column) * sizeof(Block));
+  }
 }
 
 Image DecodePage(const BlockPage& page) {
@@ -304,22 +329,12 @@ Image DecodePage(const BlockPage& page) {
       page.blocks.size() != page.planes * plane) {
     throw Error("block compression: the blocks do not fill their page; run lfm-encode again");
   }
+  const BlockFormat format = FormatOf(page);
   Image image(page.width, page.height, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   ParallelFor(0, rows, [&](int64_t row) {
     for (int column = 0; column < columns; ++column) {
-      const uint8_t* from = page.blocks.data() + (row * columns + column) * sizeof(Block);
-      std::array<Rgb, 16> texels;
-      Block block;
-      if (page.planes == 1) {
-        std::copy_n(from, sizeof(Block), block.begin());
-        texels = DecodeBc1(block);
-      } else {
-        for (int c = 0; c < 3; ++c) {
-          std::copy_n(from + c * plane, sizeof(Block), block.begin());
-          const std::array<uint8_t, 16> channel = DecodeBc4(block);
-          for (int i = 0; i < 16; ++i) texels[i][c] = channel[i];
-        }
-      }
+      const std::array<Rgb, 16> texels =
+          DecodeBlock(ReadBlock(page, column, static_cast<int>(row)), format);
       for (int i = 0; i < 16; ++i) {
         std::copy_n(texels[i].data(), 3,
                     &image.At<uint8_t>(column * kSide + i % kSide,

@@ -12,10 +12,8 @@ namespace lfm {
 
 /// Textures that a graphics card decodes while it samples, in blocks of 4 x 4 texels.
 enum class BlockFormat {
-  kNone,
   kBc1,  ///< S3TC, DXT1: RGB in 8 bytes a block, colours on a line in RGB space
   kBc4,  ///< RGTC1: one channel in 8 bytes a block
-  kBc5,  ///< RGTC2: two channels in 16 bytes a block, each as in BC4
 };
 
 /// How long the encoder searches.
@@ -50,12 +48,33 @@ struct BlockPage {
   std::vector<uint8_t> blocks;  ///< planes x (height / 4) x (width / 4) x 8 bytes
 };
 
+inline BlockFormat FormatOf(const BlockPage& page) {
+  return page.planes == 1 ? BlockFormat::kBc1 : BlockFormat::kBc4;
+}
+
 /// What of a page counts: one weight a texel (width x height) and one triple a block of how its
 /// channels count. Empty: all alike.
 struct PageWeights {
   std::vector<float> texels;
   std::vector<std::array<float, 3>> channels;
 };
+
+/// 4 x 4 texels of an RGB page, and how they count: texel weight x channel weight.
+struct BlockTexels {
+  std::array<std::array<uint8_t, 3>, 16> texels;
+  TexelWeights weights;
+  std::array<float, 3> channel_weights{1, 1, 1};
+};
+/// Those of a page's block. Nothing is checked.
+BlockTexels TexelsOfBlock(const Image& page, const PageWeights& weights, int column, int row);
+
+/// The blocks of 4 x 4 texels: one for kBc1, else one a channel.
+using BlockPlanes = std::array<Block, 3>;
+BlockPlanes EncodeBlock(const BlockTexels& texels, BlockFormat format, BlockQuality quality);
+std::array<std::array<uint8_t, 3>, 16> DecodeBlock(const BlockPlanes& planes, BlockFormat format);
+/// From and to their place in a page that holds it.
+BlockPlanes ReadBlock(const BlockPage& page, int column, int row);
+void WriteBlock(const BlockPlanes& planes, int column, int row, BlockPage& page);
 
 /// Encodes an 8-bit RGB page in kBc1 or kBc4. Throws Error when its sides are no multiples of 4,
 /// it is not 8-bit RGB, or weights do not fit.

@@ -18,6 +18,7 @@
 #include "encode/model_layout.h"
 #include "encode/nonnegative_terms.h"
 #include "encode/reflection_model.h"
+#include "encode/separate_layout.h"
 #include "encode/vertex_factorization.h"
 
 namespace lfm {
@@ -279,7 +280,12 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
     Compress(source, options, progress, result);
     return result;  // beside codebooks the masks would be a large part of the file
   }
-  if (ChoosesDetail(options)) TakeCoarsened(std::move(coarsened), source, result);
+  if (ChoosesDetail(options)) {
+    TakeCoarsened(std::move(coarsened), source, result);
+  } else {
+    result.model = SeparateSurfaceMaps(result.model, options.max_texture_size);
+    CountBytes(source, result);
+  }
   result.model.guessed = FindGuessedDirections(source);
   return result;
 }

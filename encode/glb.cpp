@@ -209,13 +209,21 @@ void AddPlaces(const LightFieldModel& model, json& extension, GlbBuilder& builde
     return;
   }
   extension["meanCodebook"] = PatchCodebook(model.placements, builder);
-  for (const auto& placements : model.surface_placements) {
-    extension["surfaceCodebooks"].push_back(PatchCodebook(placements, builder));
+  if (model.terms == 0) return;
+  json& patches = extension["surfaceCodebooks"];
+  for (int k = 0; k < static_cast<int>(model.surface_placements.size()); ++k) {
+    const int first = FirstEqual(model.surface_placements, k);
+    const json entry =
+        first < k ? patches[first] : PatchCodebook(model.surface_placements[k], builder);
+    patches.push_back(entry);
   }
-  for (const std::vector<int>& codes : model.view_codes) {
-    const std::vector<uint32_t> indices(codes.begin(), codes.end());
+  json& views = extension["viewIndices"];
+  for (int k = 0; k < static_cast<int>(model.view_codes.size()); ++k) {
+    const std::vector<uint32_t> indices(model.view_codes[k].begin(), model.view_codes[k].end());
     const size_t most = size_t{1} + *std::max_element(indices.begin(), indices.end());
-    extension["viewIndices"].push_back(AddIndices(indices, most, builder));
+    const int first = FirstEqual(model.view_codes, k);
+    const json entry = first < k ? views[first] : json(AddIndices(indices, most, builder));
+    views.push_back(entry);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "encode/map_coarsening.h"
 #include "encode/model_layout.h"
 #include "encode/patch_resolution.h"
+#include "encode/separate_layout.h"
 
 namespace lfm {
 namespace {
@@ -20,7 +21,9 @@ int64_t LaidOutBytes(const LightFieldSource& source, std::span<const int> edge_s
                      const MapSelection& maps, const EncodeOptions& options) {
   const LightFieldModel whole =
       LayOutModel(source, edge_samples, maps.terms, options.max_texture_size);
-  if (!ChoosesDetail(options)) return whole.MapsBytes();
+  if (!ChoosesDetail(options)) {
+    return SeparateSurfaceMaps(whole, options.max_texture_size).MapsBytes();
+  }
   return LayOutCoarsened(whole, maps.levels, options.max_texture_size).MapsBytes();
 }
 

@@ -10,7 +10,7 @@
 #include "encode/model_layout.h"
 #include "encode/patch_resolution.h"
 #include "encode/quantization.h"
-#include "encode/tiling.h"
+#include "encode/separate_layout.h"
 #include "encode/view_refit.h"
 
 namespace lfm {
@@ -98,24 +98,6 @@ void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, in
       }
     }
   }
-}
-
-// What is the same in any layout of the same terms.
-LightFieldModel WithoutPages(const LightFieldModel& model) {
-  LightFieldModel other;
-  other.mesh = model.mesh;
-  other.vertex_frames = model.vertex_frames;
-  other.direction_map = model.direction_map;
-  other.grid = model.grid;
-  other.terms = model.terms;
-  other.mean_in_terms = model.mean_in_terms;
-  other.vertex_terms = model.vertex_terms;
-  other.view_slots = model.view_slots;
-  other.surface_ranges = model.surface_ranges;
-  other.view_ranges = model.view_ranges;
-  other.view_tiles_per_row = model.view_tiles_per_row;
-  other.view_tiles_per_page = model.view_tiles_per_page;
-  return other;
 }
 
 int AtLevel(int n, int level) {
@@ -211,9 +193,9 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
   }
   const auto triangles = static_cast<int64_t>(edge_samples.size());
   const bool coarser = detail == PatchDetail::kAsNeeded;
-  // Ranges of both maps; with patches of their own places two indices of 16 bits.
-  costs.rank_bytes = static_cast<int64_t>(vertices.size() * 2 * sizeof(MapRange));
-  if (coarser) costs.rank_bytes += 2 * (triangles + static_cast<int64_t>(vertices.size()));
+  // Ranges of both maps, and two indices of 16 bits.
+  costs.rank_bytes = static_cast<int64_t>(vertices.size() * 2 * sizeof(MapRange)) +
+                     2 * (triangles + static_cast<int64_t>(vertices.size()));
   costs.patches.resize(triangles);
   ParallelFor(
       0, triangles,
@@ -221,7 +203,7 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
         PatchCosts& patch = costs.patches[t];
         const int64_t bytes = PatchBytesWithGutters(edge_samples[t]);
         if (!coarser) {
-          patch = {{bytes}, {bytes}, {0}, {}};
+          patch = {{PatchBytes(edge_samples[t])}, {bytes}, {0}, {}};
           return;
         }
         AddMeanLevels(mean_codes[t], edge_samples[t], source.grid, patch);
@@ -247,36 +229,10 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
 LightFieldModel LayOutCoarsened(const LightFieldModel& model,
                                 std::span<const std::vector<uint8_t>> levels,
                                 int max_texture_size) {
-  LightFieldModel coarse = WithoutPages(model);
-  std::vector<int> edge_samples;
-  for (size_t t = 0; t < levels.size(); ++t) {
-    edge_samples.push_back(AtLevel(model.placements[t].edge_samples, levels[t][0]));
-  }
-  PatchLayout mean = PlacePatches(edge_samples, {}, max_texture_size);
-  coarse.placements = std::move(mean.placements);
-  coarse.mean_pages = MakePages(mean.page_sizes);
-  for (int k = 0; k < model.terms; ++k) {
-    std::vector<int> owners, sizes;
-    for (size_t t = 0; t < levels.size(); ++t) {
-      if (model.TriangleTerms(static_cast<int>(t)) <= k) continue;
-      owners.push_back(static_cast<int>(t));
-      sizes.push_back(AtLevel(model.placements[t].edge_samples, levels[t][k + 1]));
-    }
-    const PatchLayout layout =
-        PlacePatches(sizes, {}, max_texture_size, PatchSpacing::kCompletions);
-    coarse.surface_pages.push_back(MakePages(layout.page_sizes));
-    coarse.surface_placements.emplace_back(levels.size(), PatchPlacement{});
-    for (size_t i = 0; i < owners.size(); ++i) {
-      coarse.surface_placements[k][owners[i]] = layout.placements[i];
-    }
-    std::vector<Eigen::Vector2i> view_sizes;
-    for (const Image& page : model.view_pages[k])
-      view_sizes.push_back({page.width(), page.height()});
-    coarse.view_pages.push_back(MakePages(view_sizes));
-    std::vector<int>& tiles = coarse.view_codes.emplace_back(model.view_slots);
-    for (size_t v = 0; v < tiles.size(); ++v) tiles[v] *= model.vertex_terms[v] > k ? 1 : 0;
-  }
-  return coarse;
+  return LayOutSeparately(
+      model,
+      [&](int t, int layer) { return AtLevel(model.placements[t].edge_samples, levels[t][layer]); },
+      max_texture_size);
 }
 
 LightFieldModel CoarsenMaps(const LightFieldSource& source, const LightFieldModel& model,

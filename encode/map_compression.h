@@ -26,6 +26,7 @@ struct MapCompressionOptions {
   CodebookStart vq_start = CodebookStart::kSplitting;
   PageBlocks blocks = PageBlocks::kNone;
   BlockQuality block_quality = BlockQuality::kGood;
+  double edge_weight = 4;
   void Declare(OptionVisitor& v) {
     v.Number({"vq-ratio",
               "Vector quantisation: triangles share surface maps and mean views, vertices share "
@@ -48,6 +49,12 @@ struct MapCompressionOptions {
                   {"none", "bc1", "bc4"}, blocks);
     v.Enumeration({"block-quality", "How long the best blocks are searched."},
                   {"fast", "good", "best"}, block_quality);
+    v.Number({"edge-weight",
+              "How much jumps across triangle edges count beside errors when maps are shared or "
+              "put in blocks: more makes seams fainter and loses more elsewhere; 0 = each side by "
+              "itself.",
+              "", 0, 100},
+             edge_weight);
   }
   bool WantsCodebooks() const { return vq_ratio > 1 || vq_db > 0; }
   bool WantsAnything() const { return WantsCodebooks() || blocks != PageBlocks::kNone; }
@@ -69,10 +76,11 @@ struct MapCompressionLimits {
 ///
 /// How many codes each group of maps gets (one group a patch size and term, mean views and view
 /// maps too), and whether its patches keep every sample, every second or every fourth, follows from
-/// what that saves there (map_groups.h). Shared patches are not continuous over edges. `model` is
-/// one from Encode, uncompressed. A ratio that one code a group does not reach gives one code a
-/// group. Throws Error when both drives of the vector quantisation are given, or blocks are and the
-/// view grid is no multiple of 4.
+/// what that saves there (map_groups.h). What is shared or in blocks is not continuous over edges;
+/// codes and blocks are chosen beside what the neighbours have (linked_codebooks.h,
+/// linked_blocks.h). `model` is one from Encode, uncompressed. A ratio that one code a group does
+/// not reach gives one code a group. Throws Error when both drives of the vector quantisation are
+/// given, or blocks are and the view grid is no multiple of 4.
 LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldModel& model,
                              const MapCompressionOptions& options,
                              const MapCompressionLimits& limits, Progress& progress);

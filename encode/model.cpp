@@ -158,8 +158,14 @@ int64_t LightFieldModel::MapsBytes() const {
     const SharedPlacements mean = FindSharedPlacements(placements);
     if (mean.codes.size() < placements.size()) bytes += mean.Bytes();
   }
-  for (const auto& list : surface_placements) bytes += FindSharedPlacements(list).Bytes();
-  for (const auto& list : view_codes) {
+  for (int k = 0; k < static_cast<int>(surface_placements.size()); ++k) {
+    if (FirstEqual(surface_placements, k) == k) {
+      bytes += FindSharedPlacements(surface_placements[k]).Bytes();
+    }
+  }
+  for (int k = 0; k < static_cast<int>(view_codes.size()); ++k) {
+    const std::vector<int>& list = view_codes[k];
+    if (FirstEqual(view_codes, k) < k) continue;
     const int most = list.empty() ? 0 : *std::max_element(list.begin(), list.end());
     bytes += IndexBytes(static_cast<size_t>(most) + 1) * static_cast<int64_t>(list.size());
   }

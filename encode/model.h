@@ -28,6 +28,7 @@ struct PatchPlacement {
   Eigen::Vector2i origin = {0, 0};
   bool flipped = false;
   int edge_samples = 2;
+  bool operator==(const PatchPlacement&) const = default;
 };
 
 /// A surface light field in factored, quantised form: what `model.glb` holds and the renderers show
@@ -47,7 +48,7 @@ struct LightFieldModel {
   /// The terms hold the mean view too (NMF): it is shown by vertices without terms alone.
   bool mean_in_terms = false;
 
-  std::vector<PatchPlacement> placements;  ///< T; one layout for mean and surface pages
+  std::vector<PatchPlacement> placements;  ///< T; of mean views, and of surface maps without their own
   std::vector<Image> mean_pages;           ///< RGB 8 bit sRGB
   /// `surface_pages[k][page]`: RGB 8 bit, channel = corner of the triangle (three monochrome maps).
   /// They are the upper parts of the pages, and fewer, where not all triangles have term k.
@@ -67,11 +68,12 @@ struct LightFieldModel {
   /// texel q of its view map (rows from the top) in bit q % 8 of byte q / 8. Empty when not known.
   std::vector<uint8_t> guessed;
 
-  /// Vector quantisation (Chen 2002, Section 5), K lists each, or empty without it:
+  /// Where surface maps lie by themselves, as in what Encode returns, K lists each; or empty:
   /// `surface_placements[k][t]` is where triangle t's surface maps of term k lie,
-  /// `view_codes[k][v]` the tile of vertex v. Several triangles share a patch then (of the mean
-  /// view too, which `placements` shows), and several vertices a tile; what is shared has no
-  /// gutters beyond its legs. Patches may have fewer samples than the mean view's.
+  /// `view_codes[k][v]` the tile of vertex v. They have no gutters beyond their legs, and may have
+  /// fewer samples than the mean view. With vector quantisation (Chen 2002, Section 5) several
+  /// triangles share a patch (of the mean view too, which `placements` shows), and several
+  /// vertices a tile.
   std::vector<std::vector<PatchPlacement>> surface_placements;
   std::vector<std::vector<int>> view_codes;
   /// Pages in blocks, as graphics cards read them: none, or all; pages hold what they decode to.
@@ -124,6 +126,12 @@ struct SharedPlacements {
   int64_t Bytes() const;
 };
 SharedPlacements FindSharedPlacements(const std::vector<PatchPlacement>& placements);
+
+/// The first of the lists that is equal to list `k`: files hold it once.
+template <typename List>
+int FirstEqual(const std::vector<List>& lists, int k) {
+  return static_cast<int>(std::find(lists.begin(), lists.begin() + k, lists[k]) - lists.begin());
+}
 
 /// Each vertex's place when those with more terms come first (among equals the lower index): the
 /// first tiles of the view pages are then those of every term.

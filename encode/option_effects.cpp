@@ -29,6 +29,8 @@ void RequireEffect(const EncodeOptions& options,
       {"mirror-lights", options.fill == DirectionFill::kBlend, "with --fill blend"},
       {"geometry-error", !(options.transport_db > 0), "with --transport-db 0"},
       {"vq-start", !options.compression.WantsCodebooks(), "without --vq-ratio or --vq-db"},
+      {"edge-weight", !options.compression.WantsAnything(),
+       "without --vq-ratio, --vq-db or --blocks"},
       {"block-quality", options.compression.blocks == PageBlocks::kNone, "without --blocks"},
   };
   for (const auto& rule : rules) {

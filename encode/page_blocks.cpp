@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "encode/edge_links.h"
+#include "encode/linked_blocks.h"
 #include "encode/tiling.h"
 #include "resample/light_field.h"
 
@@ -56,33 +58,61 @@ std::vector<PageWeights> MeanWeights(const LightFieldModel& model) {
   return weights;
 }
 
+// How much the corners' maps of a triangle count.
+Channels CornerWeights(const LightFieldModel& model, const MapScales& scales, int term,
+                       int triangle) {
+  Channels channels{};
+  for (int c = 0; c < 3; ++c) {
+    const size_t range = term * model.vertex_terms.size() + model.mesh.triangles[triangle][c];
+    const float scale = model.surface_ranges[range].scale;
+    channels[c] = scale * scale * scales.view_energy[range];
+  }
+  return channels;
+}
+
 std::vector<PageWeights> SurfaceWeights(const LightFieldModel& model, const MapScales& scales,
                                         int term) {
-  const size_t vertices = model.vertex_terms.size();
   std::vector<PageWeights> weights = EmptyWeights(model.surface_pages[term]);
   for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
     if (model.TriangleTerms(t) <= term) continue;
-    Channels channels{};
-    for (int c = 0; c < 3; ++c) {
-      const size_t range = term * vertices + model.mesh.triangles[t][c];
-      const float scale = model.surface_ranges[range].scale;
-      channels[c] = scale * scale * scales.view_energy[range];
-    }
     const PatchPlacement& placement = model.SurfacePlacement(term, t);
-    AddSamples(placement, model.surface_pages[term][placement.page].width(), channels,
-               weights[placement.page]);
+    AddSamples(placement, model.surface_pages[term][placement.page].width(),
+               CornerWeights(model, scales, term, t), weights[placement.page]);
   }
   return weights;
 }
 
-std::vector<BlockPage> CodePages(const std::vector<Image>& pages, BlockFormat format,
-                                 const std::vector<PageWeights>& weights, BlockQuality quality) {
-  std::vector<BlockPage> blocks;
-  for (size_t i = 0; i < pages.size(); ++i) {
-    blocks.push_back(
-        EncodePage(pages[i], format, weights.empty() ? PageWeights{} : weights[i], quality));
+std::vector<BlockPage> CodeMeanPages(const LightFieldModel& model,
+                                     const MapCompressionOptions& options) {
+  std::vector<int> edge_samples;
+  for (const PatchPlacement& placement : model.placements) {
+    edge_samples.push_back(placement.edge_samples);
   }
-  return blocks;
+  std::vector<PatchLink> links;
+  for (const EdgeLink& link : FindEdgeLinks(model.mesh, edge_samples, PatchChannels::kColors)) {
+    links.push_back(InPages(link, model.placements, 1));
+  }
+  return EncodeLinkedPages(model.mean_pages, BlockFormat::kBc1, MeanWeights(model), links,
+                           options.edge_weight, options.block_quality);
+}
+
+std::vector<BlockPage> CodeSurfacePages(const LightFieldModel& model, const MapScales& scales,
+                                        int term, const MapCompressionOptions& options) {
+  const std::vector<PatchPlacement>& placements =
+      model.surface_placements.empty() ? model.placements : model.surface_placements[term];
+  std::vector<int> edge_samples;
+  for (int t = 0; t < static_cast<int>(placements.size()); ++t) {
+    edge_samples.push_back(model.TriangleTerms(t) > term ? placements[t].edge_samples : 0);
+  }
+  std::vector<PatchLink> links;
+  for (const EdgeLink& link : FindEdgeLinks(model.mesh, edge_samples, PatchChannels::kCorners)) {
+    const Channels channels = CornerWeights(model, scales, term, link.triangle);
+    links.push_back(InPages(link, placements, (channels[0] + channels[1] + channels[2]) / 3));
+  }
+  const BlockFormat format =
+      options.blocks == PageBlocks::kBc4 ? BlockFormat::kBc4 : BlockFormat::kBc1;
+  return EncodeLinkedPages(model.surface_pages[term], format, SurfaceWeights(model, scales, term),
+                           links, options.edge_weight, options.block_quality);
 }
 
 std::vector<Image> DecodePages(const std::vector<BlockPage>& blocks) {
@@ -95,15 +125,11 @@ std::vector<Image> DecodePages(const std::vector<BlockPage>& blocks) {
 
 LightFieldModel CodePatchPages(LightFieldModel model, const MapScales& scales,
                                const MapCompressionOptions& options) {
-  const BlockFormat surface =
-      options.blocks == PageBlocks::kBc4 ? BlockFormat::kBc4 : BlockFormat::kBc1;
-  model.blocks.mean =
-      CodePages(model.mean_pages, BlockFormat::kBc1, MeanWeights(model), options.block_quality);
+  model.blocks.mean = CodeMeanPages(model, options);
   model.mean_pages = DecodePages(model.blocks.mean);
   model.blocks.surface.clear();
   for (int k = 0; k < model.terms; ++k) {
-    model.blocks.surface.push_back(CodePages(
-        model.surface_pages[k], surface, SurfaceWeights(model, scales, k), options.block_quality));
+    model.blocks.surface.push_back(CodeSurfacePages(model, scales, k, options));
     model.surface_pages[k] = DecodePages(model.blocks.surface[k]);
   }
   return model;
@@ -112,8 +138,10 @@ LightFieldModel CodePatchPages(LightFieldModel model, const MapScales& scales,
 LightFieldModel CodeViewPages(LightFieldModel model, const MapCompressionOptions& options) {
   model.blocks.view.clear();
   for (int k = 0; k < model.terms; ++k) {
-    model.blocks.view.push_back(
-        CodePages(model.view_pages[k], BlockFormat::kBc1, {}, options.block_quality));
+    std::vector<BlockPage>& pages = model.blocks.view.emplace_back();
+    for (const Image& page : model.view_pages[k]) {
+      pages.push_back(EncodePage(page, BlockFormat::kBc1, {}, options.block_quality));
+    }
     model.view_pages[k] = DecodePages(model.blocks.view[k]);
   }
   return model;

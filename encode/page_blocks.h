@@ -10,7 +10,8 @@ namespace lfm {
 /// Codes mean and surface pages in blocks, and decodes them: pages are what the blocks say from
 /// then on. Texels that nobody reads do not count, completions of the mean view (which viewers
 /// without our extension interpolate with) a quarter, and the channels of a surface block as their
-/// vertices' ranges and view maps make them count. Returns the model.
+/// vertices' ranges and view maps make them count; sides of an edge are coded towards each other
+/// (linked_blocks.h). Returns the model.
 LightFieldModel CodePatchPages(LightFieldModel model, const MapScales& scales,
                                const MapCompressionOptions& options);
 /// The same for view pages, in BC1.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "encode/gutters.h"
+#include "encode/linked_codebooks.h"
 #include "encode/map_quantization.h"
 #include "encode/model_layout.h"
 #include "encode/quantization.h"
@@ -43,12 +44,14 @@ struct PatchPages {
 
 PatchPages LayOutCodes(const PatchCodes& codes, const CodebookLayout& how) {
   const PatchLayout layout =
-      PlacePatches(codes.edge_samples, {}, how.max_texture_size, how.spacing);
+      PlacePatches(codes.edge_samples, {}, how.max_texture_size, how.spacing, how.alignment);
   PatchPages result{MakePages(layout.page_sizes), {}};
   for (size_t i = 0; i < codes.texels.size(); ++i) {
     const PatchPlacement& placement = layout.placements[i];
     WritePatch(result.pages[placement.page], placement, codes.texels[i].data(), 0, 3);
-    CompletePatch(result.pages[placement.page], placement);
+    if (how.spacing != PatchSpacing::kNone) {
+      CompletePatch(result.pages[placement.page], placement);
+    }
   }
   for (const int code : codes.code_of) {
     result.placements.push_back(code >= 0 ? layout.placements[code] : PatchPlacement{});
@@ -65,8 +68,10 @@ uint8_t Rounded(double value) {
 LightFieldModel ShareMeanViews(LightFieldModel model, std::span<const MapGroup> groups,
                                std::span<const int> codes, const CodebookLayout& layout) {
   PatchCodes patches{{}, {}, std::vector<int>(model.placements.size(), -1)};
+  const std::vector<Codebook> books = QuantizeLinkedGroups(
+      model.mesh, PatchChannels::kColors, groups, codes, {layout.start, layout.edge_weight});
   for (size_t g = 0; g < groups.size(); ++g) {
-    const Codebook book = QuantizeVectors(groups[g].vectors, codes[g], {.start = layout.start});
+    const Codebook& book = books[g];
     const int dimensions = groups[g].vectors.dimensions;
     patches.Add(groups[g], book, [&](int code, int sample, int channel) {
       return Rounded(255.0 * book.values[size_t{1} * code * dimensions + 3 * sample + channel]);
@@ -83,13 +88,13 @@ LightFieldModel ShareSurfaceMaps(LightFieldModel model, std::span<const MapGroup
                                  const CodebookLayout& layout) {
   // Codes 3 to 253: completions of rounded codes stay inside.
   constexpr float kZero = 128, kReach = 125;
-  std::vector<Codebook> books;
+  const std::vector<Codebook> books = QuantizeLinkedGroups(
+      model.mesh, PatchChannels::kCorners, groups, codes, {layout.start, layout.edge_weight});
   float peak = 0;
   for (size_t g = 0; g < groups.size(); ++g) {
-    books.push_back(QuantizeVectors(groups[g].vectors, codes[g], {.start = layout.start}));
     const size_t samples = PatchSampleCount(groups[g].edge_samples);
-    for (size_t map = 0; map < books.back().values.size() / samples; ++map) {
-      const std::span<const float> values(books.back().values.data() + map * samples, samples);
+    for (size_t map = 0; map < books[g].values.size() / samples; ++map) {
+      const std::span<const float> values(books[g].values.data() + map * samples, samples);
       peak =
           std::max(peak, SurfaceExtent(std::vector<int>{groups[g].edge_samples}, values).max_abs());
     }

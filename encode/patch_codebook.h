@@ -15,7 +15,9 @@ namespace lfm {
 struct CodebookLayout {
   CodebookStart start = CodebookStart::kSplitting;
   PatchSpacing spacing = PatchSpacing::kCompletions;
+  PatchAlignment alignment = PatchAlignment::kTexels;
   int max_texture_size = 4096;
+  double edge_weight = 0;  ///< linked_codebooks.h
 };
 
 /// Mean views from codebooks, one a group (MeanGroups) with `codes[g]` codes: new mean pages and

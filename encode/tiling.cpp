@@ -18,30 +18,46 @@ namespace {
 constexpr int kMaxTerms = 16;
 constexpr int64_t kSearchBudget = 20'000'000;  // rectangles set while searching for page widths
 
+constexpr int kBlockSide = 4;
+
+int WholeBlocks(int side) { return (side + kBlockSide - 1) / kBlockSide * kBlockSide; }
+
 // One rectangle: two triangles of equal n and terms, or one.
 struct Rectangle {
   int edge_samples = 2;
   int terms = 0;
   int first = 0, second = -1;
   PatchSpacing spacing = PatchSpacing::kNeighbors;
+  PatchAlignment alignment = PatchAlignment::kTexels;
   int margin() const { return spacing == PatchSpacing::kNeighbors ? 1 : 0; }
-  int width() const { return Whole(edge_samples + 2 + 2 * margin()); }
-  int height() const { return Whole(edge_samples + 1 + 2 * margin()); }
-  int Whole(int side) const { return spacing == PatchSpacing::kBlocks ? (side + 3) / 4 * 4 : side; }
+  int diagonal() const { return spacing == PatchSpacing::kNone ? 0 : 1; }
+  int width() const {
+    const int side = edge_samples + 1 + diagonal() + 2 * margin();
+    return alignment == PatchAlignment::kRectangles ? WholeBlocks(side) : side;
+  }
+  int height() const {
+    const int side = edge_samples + diagonal() + 2 * margin();
+    return alignment >= PatchAlignment::kShelves ? WholeBlocks(side) : side;
+  }
+  // The side of a page that ends where this rectangle does.
+  int PageSide(int side) const {
+    return alignment == PatchAlignment::kTexels ? side : WholeBlocks(side);
+  }
   int64_t area() const { return int64_t{width()} * height(); }
 };
 
 int DivideUp(int a, int b) { return (a + b - 1) / b; }
 
 std::vector<Rectangle> PairTriangles(std::span<const int> edge_samples, std::span<const int> terms,
-                                     PatchSpacing spacing) {
+                                     PatchSpacing spacing, PatchAlignment alignment) {
   const auto kind = [&](int t) { return std::pair(terms.empty() ? 0 : terms[t], edge_samples[t]); };
   std::vector<int> order(edge_samples.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return kind(a) > kind(b); });
   std::vector<Rectangle> rectangles;
   for (size_t i = 0; i < order.size(); ++i) {
-    Rectangle rectangle{edge_samples[order[i]], kind(order[i]).first, order[i], -1, spacing};
+    Rectangle rectangle{
+        edge_samples[order[i]], kind(order[i]).first, order[i], -1, spacing, alignment};
     if (i + 1 < order.size() && kind(order[i + 1]) == kind(order[i])) {
       rectangle.second = order[++i];
     }
@@ -73,8 +89,10 @@ std::pair<int, TermHeights> FillShelves(std::span<const Rectangle> rectangles, i
     set(rectangle, x, y);
     x += rectangle.width();
   }
-  for (int k = kMaxTerms - 1; k >= 0; --k) heights[k] = std::max(heights[k], heights[k + 1]);
-  return {y + shelf, heights};
+  for (int k = kMaxTerms - 1; k >= 0; --k) {
+    heights[k] = rectangles.front().PageSide(std::max(heights[k], heights[k + 1]));
+  }
+  return {rectangles.front().PageSide(y + shelf), heights};
 }
 
 std::optional<Eigen::Vector2i> BestPageSize(std::span<const Rectangle> rectangles, int max_size) {
@@ -93,9 +111,10 @@ std::optional<Eigen::Vector2i> BestPageSize(std::span<const Rectangle> rectangle
   for (int width = low; width <= high; width += step) {
     int used = 0;
     const auto [height, term_heights] =
-        FillShelves(rectangles, width,
+        FillShelves(rectangles, rectangles.front().PageSide(width),
                     [&](const Rectangle& r, int x, int) { used = std::max(used, x + r.width()); });
-    if (height > max_size) continue;
+    used = rectangles.front().PageSide(used);
+    if (height > max_size || used > max_size) continue;
     const int64_t rows = std::accumulate(term_heights.begin(), term_heights.end(), int64_t{height});
     // Ties go to the squarer page.
     const double cost = static_cast<double>(used * rows) + 1e-3 * std::abs(used - height);
@@ -126,10 +145,12 @@ std::vector<std::span<const Rectangle>> SplitRectangles(std::span<const Rectangl
 }
 
 void SetTriangles(const Rectangle& rectangle, int page, int x, int y, PatchLayout& layout) {
-  const int n = rectangle.edge_samples, margin = rectangle.margin();
+  const int n = rectangle.edge_samples, margin = rectangle.margin(),
+            diagonal = rectangle.diagonal();
   layout.placements[rectangle.first] = {page, {x + margin, y + margin}, false, n};
   if (rectangle.second >= 0) {
-    layout.placements[rectangle.second] = {page, {x + margin + n + 1, y + margin + n}, true, n};
+    layout.placements[rectangle.second] = {
+        page, {x + margin + n + diagonal, y + margin + n - 1 + diagonal}, true, n};
   }
 }
 
@@ -148,7 +169,7 @@ void SetPage(std::span<const Rectangle> rectangles, const Eigen::Vector2i& size,
 }  // namespace
 
 PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int> terms,
-                         int max_texture_size, PatchSpacing spacing) {
+                         int max_texture_size, PatchSpacing spacing, PatchAlignment alignment) {
   PatchLayout layout;
   layout.placements.resize(edge_samples.size());
   if (edge_samples.empty()) return layout;
@@ -159,12 +180,13 @@ PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int>
     if (k < 0 || k > kMaxTerms) throw Error("tiling: terms must lie in [0, 16]");
   }
   const auto [least, most] = std::minmax_element(edge_samples.begin(), edge_samples.end());
-  if (*least < 2 || Rectangle{*most, 0, 0, -1, spacing}.width() > max_texture_size) {
+  const Rectangle largest{*most, 0, 0, -1, spacing, alignment};
+  if (*least < 2 || largest.PageSide(largest.width()) > max_texture_size) {
     throw Error("tiling: patches of " + std::to_string(*most) +
                 " samples an edge do not fit a page of " + std::to_string(max_texture_size) +
                 " texels; raise --max-texture-size");
   }
-  const std::vector<Rectangle> rectangles = PairTriangles(edge_samples, terms, spacing);
+  const std::vector<Rectangle> rectangles = PairTriangles(edge_samples, terms, spacing, alignment);
   int64_t area = 0;
   for (const Rectangle& rectangle : rectangles) area += rectangle.area();
   // Fewer pages than this cannot hold them.

@@ -9,16 +9,23 @@
 
 namespace lfm {
 
-/// What stands round the patches.
+/// What stands round the patches of a rectangle, which two triangles of equal n share, the second
+/// turned by 180 degrees.
 enum class PatchSpacing {
   kNeighbors,    ///< one texel of gutter all round: rectangles of (n + 4) x (n + 3) texels
   kCompletions,  ///< the diagonal beyond the hypotenuse alone: (n + 2) x (n + 1)
-  kBlocks,       ///< the same, up to whole blocks of 4 x 4 texels: no block mixes rectangles
+  kNone,         ///< nothing: the two patches fill (n + 1) x n texels
 };
 
-/// Where every triangle's patch lies. Two triangles of equal n share a rectangle of
-/// (n + 4) x (n + 3) texels, the second turned by 180 degrees; each has one texel of gutter all
-/// round (outside both legs, and the first diagonal beyond the hypotenuse), its own.
+/// What begins and ends at whole blocks of 4 x 4 texels.
+enum class PatchAlignment {
+  kTexels,      ///< nothing
+  kPages,       ///< pages: blocks may hold texels of several rectangles
+  kShelves,     ///< rows of rectangles too: of two that stand side by side
+  kRectangles,  ///< every rectangle: no block mixes them
+};
+
+/// Where every triangle's patch lies.
 struct PatchLayout {
   std::vector<PatchPlacement> placements;   ///< one a triangle
   std::vector<Eigen::Vector2i> page_sizes;  ///< width, height in texels
@@ -33,7 +40,8 @@ struct PatchLayout {
 /// triangles of equal terms on). Throws Error when a single rectangle is larger than a page, n < 2,
 /// or the two lists differ in length.
 PatchLayout PlacePatches(std::span<const int> edge_samples, std::span<const int> terms,
-                         int max_texture_size, PatchSpacing spacing = PatchSpacing::kNeighbors);
+                         int max_texture_size, PatchSpacing spacing = PatchSpacing::kNeighbors,
+                         PatchAlignment alignment = PatchAlignment::kTexels);
 
 /// The texel of sample (i, j); indices outside the patch name its gutters.
 inline Eigen::Vector2i TexelOfSample(const PatchPlacement& placement, int i, int j) {

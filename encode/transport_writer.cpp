@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/parallel.h"
+#include "encode/separate_layout.h"
 #include "encode/transport_form.h"
 #include "encode/transport_geometry.h"
 #include "encode/transport_maps.h"
@@ -264,7 +265,7 @@ EncodedTransport EncodeTransport(const LightFieldModel& given, const TransportOp
     throw Error("--geometry-error must lie in [0.001, 10]");
   }
   ValidateModel(given, "the model");
-  if (!given.surface_placements.empty() || !given.view_codes.empty()) {
+  if (!HasWholeMaps(given)) {
     throw Error(
         "the transport form is made of whole maps: of the model without codebooks, and with "
         "--patch-detail full");

@@ -114,6 +114,14 @@ Codebook QuantizeVectors(const WeightedVectors& vectors, int codes,
   return iteration.Improve(start.Cells(codes), options.max_iterations, options.tolerance);
 }
 
+Codebook ImproveCodebook(const WeightedVectors& vectors, const Codebook& cells,
+                         const CodebookOptions& options) {
+  CheckVectors(vectors);
+  const CodebookIteration iteration(vectors);
+  return iteration.Improve(iteration.FromCells(cells.indices, cells.codes), options.max_iterations,
+                           options.tolerance);
+}
+
 Codebook QuantizeToDistortion(const WeightedVectors& vectors, double max_distortion,
                               const CodebookOptions& options) {
   CheckVectors(vectors);

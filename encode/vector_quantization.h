@@ -52,6 +52,11 @@ struct Codebook {
 /// is not finite, or a weight is negative.
 Codebook QuantizeVectors(const WeightedVectors& vectors, int codes, const CodebookOptions& options);
 
+/// Goes on from the cells of a codebook (every code used) of other vectors of the same number and
+/// dimensions, with codes of their own; throws as QuantizeVectors.
+Codebook ImproveCodebook(const WeightedVectors& vectors, const Codebook& cells,
+                         const CodebookOptions& options);
+
 /// The fewest codes whose distortion is at most `max_distortion`, by doubling and bisection to a
 /// thirtieth of their number. 0 or less: nothing may be lost.
 Codebook QuantizeToDistortion(const WeightedVectors& vectors, double max_distortion,

@@ -213,7 +213,6 @@ TEST(BlockCompression, PagesComeBackInPlace) {
   }
   Image odd(10, 8, 3, PixelType::kUint8, ColorEncoding::kSrgb);
   EXPECT_THROW(EncodePage(odd, BlockFormat::kBc1, {}, BlockQuality::kGood), Error);
-  EXPECT_THROW(EncodePage(page, BlockFormat::kNone, {}, BlockQuality::kGood), Error);
   EXPECT_THROW(EncodePage(page, BlockFormat::kBc1, {{1, 2}, {}}, BlockQuality::kGood), Error);
   BlockPage cut = EncodePage(page, BlockFormat::kBc1, {}, BlockQuality::kFast);
   cut.blocks.pop_back();

@@ -162,8 +162,9 @@ TEST_F(EncodeFiles, CommandRefusesBadInputInOneLine) {
   // What has no effect beside the rest.
   for (const char* idle :
        {"--terms 3 --term-gain 1", "--terms 3 --max-terms 4", "--target-db 40 --term-gain 0.5",
-        "--factorization nmf --fill mirror", "--vq-start pairwise", "--block-quality best",
-        "--transport-db 0 --geometry-error 0.1", "--factorization nmf --max-terms 3"}) {
+        "--factorization nmf --fill mirror", "--vq-start pairwise", "--edge-weight 2",
+        "--block-quality best", "--transport-db 0 --geometry-error 0.1",
+        "--factorization nmf --max-terms 3"}) {
     expect_refused("'" + work_.string() + "' " + idle);
     EXPECT_NE(Log().find("has no effect"), std::string::npos) << Log();
   }

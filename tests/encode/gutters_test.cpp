@@ -5,6 +5,7 @@
 
 #include "encode/encode.h"
 #include "encode/quantization.h"
+#include "encode/separate_layout.h"
 #include "encode/tiling.h"
 #include "tests/encode/synthetic_light_field.h"
 
@@ -16,7 +17,7 @@ class Gutters : public ::testing::Test {
   Gutters() {
     const SyntheticLightField field = MakeLightField(
         MakeSphere(1), 8, 60, [](int t) { return t % 2 == 0 ? 9 : 5; }, GlossyAppearance);
-    model_ = Encode(field.Source(), {.terms = 2}, SilentProgress()).model;
+    model_ = JoinSurfaceMaps(Encode(field.Source(), {.terms = 2}, SilentProgress()).model);
   }
   int Code(const std::vector<Image>& pages, int triangle, int i, int j, int channel) const {
     const PatchPlacement& place = model_.placements[triangle];

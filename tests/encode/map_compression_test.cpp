@@ -16,6 +16,7 @@
 #include "encode/model_error.h"
 #include "encode/model_evaluation.h"
 #include "encode/patch_resolution.h"
+#include "encode/separate_layout.h"
 #include "encode/view_refit.h"
 #include "tests/encode/edge_jump.h"
 #include "tests/encode/model_oracle.h"
@@ -79,7 +80,7 @@ TEST_F(MapCompression, ModelsAreValidAndMeanWhatTheirTablesSay) {
     const LightFieldModel model = Compressed(options);
     EXPECT_NO_THROW(ValidateModel(model, "model"));
     EXPECT_LT(model.MapsBytes(), plain_.MapsBytes());
-    EXPECT_EQ(model.surface_placements.empty(), !options.WantsCodebooks());
+    EXPECT_EQ(HasWholeMaps(model), !options.WantsCodebooks());
     EXPECT_EQ(model.blocks.empty(), options.blocks == PageBlocks::kNone);
     for (int i = 0; i < 300; ++i) {
       const int t = static_cast<int>(random() % model.placements.size());
@@ -109,8 +110,8 @@ TEST_F(MapCompression, PagesAreWhatTheirBlocksSay) {
   EXPECT_EQ(model.blocks.surface[0][0].blocks.size() * 2, model.surface_pages[0][0].Bytes().size());
 }
 
-// No block holds texels of two rectangles.
-TEST_F(MapCompression, RectanglesAreWholeBlocks) {
+// No block holds texels of two rectangles of the mean view.
+TEST_F(MapCompression, RectanglesOfMeanViewsAreWholeBlocks) {
   for (const double ratio : {1.0, 3.0}) {
     const LightFieldModel model = Compressed({.vq_ratio = ratio, .blocks = PageBlocks::kBc1});
     std::map<std::array<int, 3>, std::set<std::array<int, 3>>> users;  // block -> rectangles
@@ -232,17 +233,27 @@ TEST_F(MapCompression, JumpsAcrossEdgesStayBounded) {
   struct Case {
     MapCompressionOptions options;
     double largest, rms;  // levels of 255
+    double share;         // of the RMS of jumps where each side is coded by itself
+    double loss_db;       // against that
   };
-  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 45, 7},
-                        {{.blocks = PageBlocks::kBc1}, 60, 8},
-                        {{.vq_ratio = 4}, 40, 5},
-                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 80, 12}};
+  const Case cases[] = {{{.blocks = PageBlocks::kBc4}, 18, 3.0, 0.65, 0.6},
+                        {{.blocks = PageBlocks::kBc1}, 24, 3.4, 0.65, 0.9},
+                        {{.vq_ratio = 4}, 10, 0.8, 0.5, 0.3},
+                        {{.vq_ratio = 4, .blocks = PageBlocks::kBc1}, 34, 5.7, 0.7, 1.0}};
   for (const Case& one : cases) {
-    const EdgeJumps jumps = JumpsAcrossEdges(Compressed(one.options));
-    std::printf("largest %.1f, rms %.2f levels\n", jumps.largest, jumps.rms);
+    MapCompressionOptions apart = one.options;
+    apart.edge_weight = 0;
+    const LightFieldModel alone = Compressed(apart), model = Compressed(one.options);
+    const EdgeJumps before = JumpsAcrossEdges(alone), jumps = JumpsAcrossEdges(model);
+    const double loss_db = MatrixPsnr(alone) - MatrixPsnr(model);
+    std::printf("largest %.1f, rms %.2f levels; before %.1f, %.2f; %.2f dB\n", jumps.largest,
+                jumps.rms, before.largest, before.rms, loss_db);
     EXPECT_GE(jumps.rms, plain.rms);
     EXPECT_LE(jumps.largest, one.largest);
     EXPECT_LE(jumps.rms, one.rms);
+    EXPECT_LE(jumps.rms, one.share * before.rms);
+    EXPECT_LE(loss_db, one.loss_db);
+    EXPECT_EQ(alone.MapsBytes(), model.MapsBytes());
   }
 }
 

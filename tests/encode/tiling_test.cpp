@@ -43,6 +43,57 @@ void ExpectDisjointAndInside(const PatchLayout& layout, const std::vector<int>& 
   }
 }
 
+// Whole blocks of 4 x 4 texels: of pages, of rows of rectangles, or of each.
+TEST(Tiling, AlignsPagesOrRectanglesToBlocks) {
+  std::mt19937 random(6);
+  std::vector<int> sizes(333);
+  for (int& n : sizes) n = 2 + static_cast<int>(random() % 30);
+  for (const int max_size : {4096, 255}) {
+    for (const auto alignment :
+         {PatchAlignment::kPages, PatchAlignment::kShelves, PatchAlignment::kRectangles}) {
+      const PatchLayout layout =
+          PlacePatches(sizes, {}, max_size, PatchSpacing::kCompletions, alignment);
+      for (const auto& size : layout.page_sizes) {
+        EXPECT_EQ(size.x() % 4, 0);
+        EXPECT_EQ(size.y() % 4, 0);
+        EXPECT_LE(size.maxCoeff(), max_size);
+      }
+      int unflipped = 0, columns = 0, rows = 0;
+      for (const PatchPlacement& p : layout.placements) {
+        unflipped += !p.flipped;
+        columns += !p.flipped && p.origin.x() % 4 == 0;
+        rows += !p.flipped && p.origin.y() % 4 == 0;
+      }
+      EXPECT_EQ(columns == unflipped, alignment == PatchAlignment::kRectangles);
+      EXPECT_EQ(rows == unflipped, alignment != PatchAlignment::kPages);
+    }
+  }
+}
+
+// Two patches of equal n fill their rectangle: pages hold samples and next to nothing else.
+TEST(Tiling, NothingStandsBetweenPatchesWithoutSpacing) {
+  std::vector<int> sizes(2200, 25);
+  for (size_t t = 0; t < 700; ++t) sizes[t] = 13;
+  const PatchLayout layout =
+      PlacePatches(sizes, {}, 4096, PatchSpacing::kNone, PatchAlignment::kPages);
+  ASSERT_EQ(layout.page_sizes.size(), 1u);
+  const Eigen::Vector2i size = layout.page_sizes[0];
+  std::vector<int> owner(static_cast<size_t>(size.x()) * size.y(), -1);
+  int64_t samples = 0;
+  for (size_t t = 0; t < sizes.size(); ++t) {
+    for (int j = 0; j < sizes[t]; ++j) {
+      for (int i = 0; i + j < sizes[t]; ++i, ++samples) {
+        const Eigen::Vector2i texel = TexelOfSample(layout.placements[t], i, j);
+        ASSERT_TRUE(texel.minCoeff() >= 0 && texel.x() < size.x() && texel.y() < size.y());
+        int& place = owner[static_cast<size_t>(texel.y()) * size.x() + texel.x()];
+        ASSERT_EQ(place, -1);
+        place = static_cast<int>(t);
+      }
+    }
+  }
+  EXPECT_LT(static_cast<double>(owner.size()), 1.02 * static_cast<double>(samples));
+}
+
 double Waste(const PatchLayout& layout, const std::vector<int>& edge_samples) {
   double pages = 0, used = 0;
   for (const auto& size : layout.page_sizes) pages += static_cast<double>(size.x()) * size.y();
