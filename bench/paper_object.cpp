@@ -34,7 +34,8 @@ PaperLightField Resampled(const PaperObject& object, const TriangleMesh& mesh,
   const ResampleResult figures = Resample(object.capture, object.calib, object.surface, mesh,
                                           MakeImageLoader(object.capture), options, file, progress);
   PaperLightField result{LightField::Open(file), figures, {}, 0};
-  result.eyes = EyesOfPhotos(object.calib, result.light_field.photo_ids());
+  result.eyes =
+      EyesOfPhotos(object.calib, result.light_field.photo_ids(), result.light_field.name());
   for (int t = 0; t < result.light_field.triangle_count(); ++t) {
     const TrianglePatch patch = result.light_field.Patch(t);
     result.raw_bytes += int64_t{3} * PatchSampleCount(patch.edge_samples) *

@@ -57,8 +57,8 @@ class Reference {
   explicit Reference(const fs::path& work)
       : light_field_(lfm::LightField::Open(work / "resample/light_field.lfs")),
         blended_(lfm::SourceFromLightField(
-            light_field_,
-            lfm::EyesOfPhotos(lfm::LoadCalib(work / "calib"), light_field_.photo_ids()))),
+            light_field_, lfm::EyesOfPhotos(lfm::LoadCalib(work / "calib"),
+                                            light_field_.photo_ids(), light_field_.name()))),
         filled_(lfm::WithReflections(blended_, lfm::FitReflections(blended_))) {}
 
   lfm::EncodeResult Encode(lfm::EncodeOptions options) const {

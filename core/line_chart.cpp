@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
+
+#include "core/formatted_text.h"
 
 namespace lfm {
 namespace {
@@ -13,16 +13,6 @@ namespace {
 constexpr double kLeft = 70, kRight = 560, kTop = 50, kBottom = 360;
 constexpr const char* kColors[] = {"#1b6ca8", "#c0392b", "#27844a", "#8e44ad",
                                    "#b9770e", "#16858a", "#555555", "#d35490"};
-
-std::string Print(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string Print(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 std::string Escaped(const std::string& text) {
   std::string escaped;
@@ -88,28 +78,29 @@ std::vector<double> Ticks(const Axis& axis) {
 }
 
 std::string Frame(const LineChart& chart, const Axis& x, const Axis& y) {
-  std::string svg =
-      Print("<rect x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\" fill=\"none\" stroke=\"#888\"/>\n",
-            kLeft, kTop, kRight - kLeft, kBottom - kTop);
+  std::string svg = FormattedText(
+      "<rect x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\" fill=\"none\" stroke=\"#888\"/>\n", kLeft,
+      kTop, kRight - kLeft, kBottom - kTop);
   for (const double tick : Ticks(x)) {
-    svg += Print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%g\" y2=\"%g\" stroke=\"#ddd\"/>\n",
-                 x.At(tick), x.At(tick), kTop, kBottom);
-    svg += Print("<text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n", x.At(tick),
-                 kBottom + 18, tick);
+    svg += FormattedText("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%g\" y2=\"%g\" stroke=\"#ddd\"/>\n",
+                         x.At(tick), x.At(tick), kTop, kBottom);
+    svg += FormattedText("<text x=\"%.1f\" y=\"%g\" text-anchor=\"middle\">%g</text>\n", x.At(tick),
+                         kBottom + 18, tick);
   }
   for (const double tick : Ticks(y)) {
-    svg += Print("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>\n", kLeft,
-                 kRight, y.At(tick), y.At(tick));
-    svg += Print("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kLeft - 6,
-                 y.At(tick) + 4, tick);
+    svg += FormattedText("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>\n",
+                         kLeft, kRight, y.At(tick), y.At(tick));
+    svg += FormattedText("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kLeft - 6,
+                         y.At(tick) + 4, tick);
   }
   const double middle_x = (kLeft + kRight) / 2, middle_y = (kTop + kBottom) / 2;
-  svg += Print("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", middle_x, kBottom + 40);
+  svg += FormattedText("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", middle_x, kBottom + 40);
   svg += Escaped(chart.x_label) + "</text>\n";
-  svg +=
-      Print("<text transform=\"translate(18 %g) rotate(-90)\" text-anchor=\"middle\">", middle_y);
+  svg += FormattedText("<text transform=\"translate(18 %g) rotate(-90)\" text-anchor=\"middle\">",
+                       middle_y);
   svg += Escaped(chart.y_label) + "</text>\n";
-  svg += Print("<text x=\"%g\" y=\"28\" text-anchor=\"middle\" font-size=\"15\">", middle_x);
+  svg +=
+      FormattedText("<text x=\"%g\" y=\"28\" text-anchor=\"middle\" font-size=\"15\">", middle_x);
   return svg + Escaped(chart.title) + "</text>\n";
 }
 
@@ -117,29 +108,29 @@ std::string Frame(const LineChart& chart, const Axis& x, const Axis& y) {
 std::string RightAxis(const std::string& label, const Axis& y) {
   std::string svg;
   for (const double tick : Ticks(y)) {
-    svg += Print("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#888\"/>\n",
-                 kRight - 6, kRight, y.At(tick), y.At(tick));
-    svg += Print("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kRight - 9,
-                 y.At(tick) + 4, tick);
+    svg += FormattedText("<line x1=\"%g\" x2=\"%g\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#888\"/>\n",
+                         kRight - 6, kRight, y.At(tick), y.At(tick));
+    svg += FormattedText("<text x=\"%g\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", kRight - 9,
+                         y.At(tick) + 4, tick);
   }
-  svg += Print("<text transform=\"translate(%g %g) rotate(-90)\" text-anchor=\"middle\">",
-               kRight + 18, (kTop + kBottom) / 2);
+  svg += FormattedText("<text transform=\"translate(%g %g) rotate(-90)\" text-anchor=\"middle\">",
+                       kRight + 18, (kTop + kBottom) / 2);
   return svg + Escaped(label) + "</text>\n";
 }
 
 std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Axis& y) {
   const char* color = kColors[index % std::size(kColors)];
-  std::string line = Print("<polyline fill=\"none\" stroke-width=\"2\" stroke=\"%s\" points=\"",
-                           color),
+  std::string line = FormattedText(
+                  "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"%s\" points=\"", color),
               dots;
   for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
     if (!x.Shows(curve.x[i]) || !y.Shows(curve.y[i])) continue;
-    line += Print("%.1f,%.1f ", x.At(curve.x[i]), y.At(curve.y[i]));
-    dots += Print("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/>\n", x.At(curve.x[i]),
-                  y.At(curve.y[i]), color);
+    line += FormattedText("%.1f,%.1f ", x.At(curve.x[i]), y.At(curve.y[i]));
+    dots += FormattedText("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/>\n",
+                          x.At(curve.x[i]), y.At(curve.y[i]), color);
   }
   const double legend_y = kTop + 10 + 20 * static_cast<double>(index);
-  const std::string legend = Print(
+  const std::string legend = FormattedText(
                                  "<rect x=\"%g\" y=\"%g\" width=\"14\" height=\"4\" fill=\"%s\"/>"
                                  "<text x=\"%g\" y=\"%g\">",
                                  kRight + 24, legend_y, color, kRight + 44, legend_y + 6) +

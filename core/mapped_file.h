@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace lfm {
 
@@ -20,8 +21,17 @@ class MappedFile {
   MappedFile& operator=(MappedFile&& other) noexcept;
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
+  /// Takes pages that were read out of this process's resident memory; they come back (from the
+  /// system's cache, or the disk) when they are read again, by any thread at any time. All of
+  /// them, or those wholly within `part` of bytes().
+  void Release() const { Release(bytes()); }
+  void Release(std::span<const std::byte> part) const;
 
  private:
+  friend class ScratchFile;
+  /// Of an open file, which stays open; `name` stands for it in messages.
+  MappedFile(int descriptor, const std::string& name);
+
   const std::byte* data_ = nullptr;
   size_t size_ = 0;
 };

@@ -164,12 +164,12 @@ void Compress(const LightFieldSource& source, const EncodeOptions& options, Prog
 }
 
 void CheckSource(const LightFieldSource& source) {
-  ValidateMesh(source.mesh, "light field");
+  ValidateMesh(source.mesh, source.name.c_str());
   if (source.vertex_frames.size() != source.mesh.vertices.size()) {
-    throw Error("light field: one frame a vertex is needed; run lfm-resample again");
+    source.Fail("one frame a vertex is needed");
   }
   if (source.grid < 2 || source.grid > 256) {
-    throw Error("light field: the view grid must lie in [2, 256]; run lfm-resample again");
+    source.Fail("the view grid must lie in [2, 256]");
   }
 }
 

@@ -80,7 +80,8 @@ std::vector<Eigen::Vector3d> Eyes(const std::filesystem::path& calib_folder,
     progress.Note("no " + poses.string() + ": directions are filled by blending alone");
     return {};
   }
-  return lfm::EyesOfPhotos(lfm::LoadCalib(calib_folder), light_field.photo_ids());
+  return lfm::EyesOfPhotos(lfm::LoadCalib(calib_folder), light_field.photo_ids(),
+                           light_field.name());
 }
 
 }  // namespace

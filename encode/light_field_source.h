@@ -33,6 +33,10 @@ struct LightFieldSource {
   /// added at corner `at`, and between the corners linearly. Not set: nothing.
   std::function<std::vector<float>(int triangle, int corner, const ViewWeights& weights)> change =
       {};
+  std::string name = "light field";  ///< what messages begin with: the file's
+
+  /// Throws Error: the name, the problem, and that resampling again is the cure.
+  [[noreturn]] void Fail(const std::string& problem) const;
 };
 
 /// The source behind an open file; `light_field` must outlive it. `eyes`: as above, one a
@@ -40,12 +44,14 @@ struct LightFieldSource {
 LightFieldSource SourceFromLightField(const LightField& light_field,
                                       std::vector<Eigen::Vector3d> eyes = {});
 
-/// Where the photographs with these ids were taken. Throws Error when one has no pose.
+/// Where the photographs with these ids were taken. Throws Error, `name` of the light field in
+/// front, when one has no pose.
 std::vector<Eigen::Vector3d> EyesOfPhotos(const CalibResult& calib,
-                                          const std::vector<std::string>& photo_ids);
+                                          const std::vector<std::string>& photo_ids,
+                                          const std::string& name);
 
-/// Throws Error when the counts, sizes or indices of one triangle do not fit together, so that no
-/// later step reads out of bounds.
+/// Throws Error, the source's name in front, when the counts, sizes or indices of one triangle do
+/// not fit together, so that no later step reads out of bounds.
 void CheckSourceTriangle(const LightFieldSource& source, int triangle);
 
 }  // namespace lfm

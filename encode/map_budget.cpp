@@ -46,9 +46,7 @@ void RequireRoomForMeanView(const LightFieldSource& source, std::span<const int>
   if (!(options.target_mb > 0)) return;
   MapSelection none{std::vector<int>(source.mesh.vertices.size(), 0), {}};
   for (const int n : edge_samples) {
-    uint8_t coarsest = 0;
-    for (int to = CoarserEdgeSamples(n); to > 0; to = CoarserEdgeSamples(to)) ++coarsest;
-    none.levels.push_back({coarsest});
+    none.levels.push_back({static_cast<uint8_t>(EdgeSampleLevels(n).size() - 1)});
   }
   const double least = static_cast<double>(LaidOutBytes(source, edge_samples, none, options));
   if (least <= options.target_mb * 1e6) return;

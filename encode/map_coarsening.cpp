@@ -63,7 +63,7 @@ int64_t PatchBytesWithGutters(int n) { return int64_t{3} * (n + 4) * (n + 3) / 2
 
 void AddMeanLevels(std::span<const uint8_t> codes, int n, int grid, PatchCosts& costs) {
   const std::vector<double> weights = HatSquares(n);
-  for (int to = n; to > 0; to = CoarserEdgeSamples(to)) {
+  for (const int to : EdgeSampleLevels(n)) {
     costs.mean_bytes.push_back(PatchBytesWithGutters(to));
     costs.term_bytes.push_back(PatchBytes(to));
     double error = 0;
@@ -91,7 +91,8 @@ void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, in
       PatchCosts& patch = patches[triangle];
       const int corner = CornerOf(source.mesh.triangles[triangle], vertex);
       float* errors = patch.term_errors.data() + (3 * k + corner) * patch.levels();
-      for (int to = CoarserEdgeSamples(n); to > 0; to = CoarserEdgeSamples(to)) {
+      for (const int to : EdgeSampleLevels(n)) {
+        if (to == n) continue;
         double error = 0;
         for (const double change : SquaredChanges(values, n, to)) error += change;
         *++errors = static_cast<float>(error * energy);
@@ -100,10 +101,7 @@ void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, in
   }
 }
 
-int AtLevel(int n, int level) {
-  for (; level > 0; --level) n = CoarserEdgeSamples(n);
-  return n;
-}
+int AtLevel(int n, int level) { return EdgeSampleLevels(n)[static_cast<size_t>(level)]; }
 
 // Whether no completion beyond a hypotenuse leaves the range's codes.
 bool HoldsExtent(const MapRange& range, const Extent& extent) {

@@ -304,7 +304,9 @@ MeanView ComputeMeanView(const LightFieldSource& source, const SharedSamples& sh
   });
   const auto unseen = std::count(measured.begin(), measured.end(), 0);
   if (unseen == triangles) {
-    throw Error("encode: no photograph shows enough of any triangle; check poses and mesh");
+    throw Error(source.name +
+                ": no photograph shows enough of any triangle; check poses and mesh, and run "
+                "lfm-resample again");
   }
   if (unseen > 0) FillUnseen(source, edge_samples, measured, means);
   MeanView view;

@@ -32,6 +32,12 @@ int CoarserEdgeSamples(int n) {
   return 0;
 }
 
+std::vector<int> EdgeSampleLevels(int n) {
+  std::vector<int> levels;
+  for (; n > 0; n = CoarserEdgeSamples(n)) levels.push_back(n);
+  return levels;
+}
+
 std::vector<float> SubsamplePatch(std::span<const float> values, int from, int to) {
   return Subsample(values, from, to);
 }

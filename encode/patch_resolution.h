@@ -14,6 +14,8 @@ namespace lfm {
 /// Samples an edge of the next coarser resolution: every second, or else every third; 0 where
 /// neither divides n - 1, and for n = 2.
 int CoarserEdgeSamples(int n);
+/// The resolutions that a patch of n may have, finest first: n, the next coarser, and so on.
+std::vector<int> EdgeSampleLevels(int n);
 /// The samples of a patch of `from` samples an edge that one of `to` has too; to - 1 must divide
 /// from - 1. `values` holds one number a sample.
 std::vector<float> SubsamplePatch(std::span<const float> values, int from, int to);

@@ -300,7 +300,7 @@ void CheckEyes(const LightFieldSource& source, int triangle) {
   CheckSourceTriangle(source, triangle);
   for (const uint16_t photo : source.patch(triangle).photos) {
     if (photo >= source.eyes.size()) {
-      throw Error("light field: a photograph's place is not known; run lfm-resample again");
+      source.Fail("a photograph's place is not known");
     }
   }
 }

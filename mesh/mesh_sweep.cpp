@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <functional>
 #include <limits>
 
 #include "core/error.h"
+#include "core/formatted_text.h"
 #include "core/line_chart.h"
 #include "core/ray_scene.h"
 #include "mesh/decimation_target.h"
@@ -21,16 +20,6 @@ namespace {
 constexpr double kPixelsATriangle[] = {20, 40, 80, 160, 320, 640, 1280};
 constexpr double kFewestTriangles = 16;
 constexpr double kTerms = 3, kViews = 32 * 32;
-
-std::string Print(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string Print(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 }  // namespace
 
@@ -71,9 +60,10 @@ std::string SweepToCsv(const std::vector<SweepRow>& rows) {
       "triangles,samples_per_triangle,error_mean_mm,error_p95_mm,error_max_mm,error_p95_px,"
       "compression\n";
   for (const SweepRow& row : rows) {
-    csv += Print("%lld,%.2f,%.5f,%.5f,%.5f,%.4f,%.2f\n", static_cast<long long>(row.triangles),
-                 row.samples_per_triangle, row.error_mean_mm, row.error_p95_mm, row.error_max_mm,
-                 row.error_p95_px, row.compression);
+    csv +=
+        FormattedText("%lld,%.2f,%.5f,%.5f,%.5f,%.4f,%.2f\n", static_cast<long long>(row.triangles),
+                      row.samples_per_triangle, row.error_mean_mm, row.error_p95_mm,
+                      row.error_max_mm, row.error_p95_px, row.compression);
   }
   return csv;
 }

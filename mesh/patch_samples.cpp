@@ -10,13 +10,14 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/patch_sizes.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kSamplesAPixel = 2.0 / 3.0;
 constexpr double kLeastCosine = 0.1736;  // of 80 degrees
-constexpr int kFewestEdgeSamples = 4, kMostEdgeSamples = 49;
+constexpr int kMostEdgeSamples = 49;
 // Off the surface, as a share of the distance to the eye: about a millimetre, more than a decimated
 // triangle lies below its surface.
 constexpr double kClearance = 3e-3;
@@ -65,9 +66,7 @@ double SeenPixels(const PosedCamera& photo, const std::array<Eigen::Vector3d, 3>
 }  // namespace
 
 int PatchSamples(double largest_px) {
-  int n = kFewestEdgeSamples;
-  while (n < kMostEdgeSamples && n * (n + 1) / 2 < kSamplesAPixel * largest_px) n = 2 * n - 1;
-  return n * (n + 1) / 2;
+  return PatchSampleCount(ChooseEdgeSamples(kSamplesAPixel * largest_px, kMostEdgeSamples));
 }
 
 double PredictSamplesPerTriangle(const TriangleMesh& mesh, const RayScene& surface,

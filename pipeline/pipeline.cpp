@@ -278,7 +278,8 @@ StageJob EncodeJob(const Run& run) {
             const LightField light_field = LightField::Open(run.workspace.LightFieldFile());
             const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
             const EncodeResult result = Encode(
-                SourceFromLightField(light_field, EyesOfPhotos(calib, light_field.photo_ids())),
+                SourceFromLightField(
+                    light_field, EyesOfPhotos(calib, light_field.photo_ids(), light_field.name())),
                 run.options.encode, run.progress);
             return SaveEncode(result, folder);
           }};

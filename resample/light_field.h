@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/patch_sizes.h"
 #include "core/triangle_mesh.h"
 #include "resample/direction_map.h"
 
@@ -21,17 +22,8 @@ namespace lfm {
 /// (1 - (i + j) / (n - 1), i / (n - 1), j / (n - 1)) of corners 0, 1, 2; its index runs j outer,
 /// i inner. n >= 2.
 inline constexpr int kMaxEdgeSamples = 257;  ///< of any light field file
-int PatchSampleCount(int n);
 int PatchSampleIndex(int n, int i, int j);
 Eigen::Vector3d PatchSampleWeights(int n, int i, int j);
-
-/// The smallest patch of the predefined sizes n = 4, 7, 13, 25, 49, 97, 193 with at least so many
-/// samples. A size has twice the segments of the one before: patches of
-/// different size then share every node of the coarser one along an edge, and no detail is lost
-/// there (sizes without a common divisor could only share the edge's ends). 25 samples an edge are
-/// the paper's 314 a triangle. At most `max_edge_samples`; 4 when `samples` is not a positive
-/// number.
-int ChooseEdgeSamples(double samples, int max_edge_samples);
 
 /// The visible views of one triangle, normalised to one shape: the block P of DESIGN 4.
 ///
@@ -65,14 +57,17 @@ class LightField {
   /// Throws Error when the file is missing, truncated, of another version, or fails its checksums.
   ///
   /// Every byte is checked here, once (in parallel; about 10 GB/s from memory), so that reading a
-  /// triangle needs no check and cannot fail.
-  static LightField Open(const std::filesystem::path& file);
+  /// triangle needs no check and cannot fail. Of a larger file about `most_resident_bytes` are
+  /// resident at a time, however much of it is read; beside them its mesh, and 24 bytes a triangle.
+  static LightField Open(const std::filesystem::path& file,
+                         int64_t most_resident_bytes = int64_t{1} << 30);
   /// The same from bytes in memory; `name` stands for the file in messages.
   static LightField FromMemory(std::vector<std::byte> bytes, const std::string& name);
   ~LightField();
   LightField(LightField&&) noexcept;
   LightField& operator=(LightField&&) noexcept;
 
+  const std::string& name() const;   ///< for messages: the file's
   const TriangleMesh& mesh() const;  ///< the decimated mesh, with normals
   const std::vector<Eigen::Matrix3d>& vertex_frames() const;
   const std::vector<std::string>& photo_ids() const;

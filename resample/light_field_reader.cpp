@@ -23,7 +23,8 @@ using Bytes = std::span<const std::byte>;
 /// Reads fields one after the other; never beyond the end.
 class Cursor {
  public:
-  Cursor(Bytes bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  Cursor(Bytes bytes, const std::string& name, const PartRead& part_read = {})
+      : bytes_(bytes), name_(name), part_read_(part_read) {}
 
   Bytes Take(uint64_t count) {
     if (count > bytes_.size()) Fail(name_, "light field file is truncated");
@@ -44,6 +45,7 @@ class Cursor {
     const Bytes taken = Take(count * sizeof(T));
     std::vector<T> values(static_cast<size_t>(count));
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), taken.data(), taken.size());
+    if (part_read_) part_read_(taken);
     return values;
   }
   Bytes rest() const { return bytes_; }
@@ -51,6 +53,7 @@ class Cursor {
  private:
   Bytes bytes_;
   const std::string& name_;
+  PartRead part_read_;
 };
 
 lfs::FileHeader ReadHeader(Bytes bytes, const std::string& name) {
@@ -74,7 +77,8 @@ lfs::FileHeader ReadHeader(Bytes bytes, const std::string& name) {
 
 /// The four chunks, which must follow each other to the very end of the file.
 std::array<Bytes, lfs::kChunkCount> SplitChunks(const lfs::FileHeader& header, Bytes bytes,
-                                                const std::string& name) {
+                                                const std::string& name,
+                                                const PartRead& part_read) {
   std::array<Bytes, lfs::kChunkCount> chunks;
   uint64_t place = sizeof(lfs::FileHeader);
   for (size_t i = 0; i < chunks.size(); ++i) {
@@ -87,13 +91,15 @@ std::array<Bytes, lfs::kChunkCount> SplitChunks(const lfs::FileHeader& header, B
     if (i != lfs::kData && entry.checksum != Checksum(chunks[i].data(), chunks[i].size())) {
       Fail(name, "light field content is damaged (checksum)");
     }
+    if (i != lfs::kData) part_read(chunks[i]);
   }
   if (place != bytes.size()) Fail(name, "light field chunks do not fit together");
   return chunks;
 }
 
-void ReadMesh(Bytes chunk, const std::string& name, LightFieldContent& content) {
-  Cursor cursor(chunk, name);
+void ReadMesh(Bytes chunk, const std::string& name, const PartRead& part_read,
+              LightFieldContent& content) {
+  Cursor cursor(chunk, name, part_read);
   const auto header = cursor.Read<lfs::MeshHeader>();
   TriangleMesh& mesh = content.mesh;
   mesh.vertices = cursor.ReadArray<Eigen::Vector3d>(header.vertices);
@@ -103,7 +109,11 @@ void ReadMesh(Bytes chunk, const std::string& name, LightFieldContent& content) 
   if (header.has_confidence != 0) mesh.confidence = cursor.ReadArray<float>(header.vertices);
   if (header.has_colors != 0) mesh.colors = cursor.ReadArray<Eigen::Vector3f>(header.vertices);
   if (cursor.rest().size() >= 8) Fail(name, "light field mesh has a wrong length");
-  ValidateMesh(mesh, name.c_str());
+  try {
+    ValidateMesh(mesh, name.c_str());
+  } catch (const Error& error) {
+    throw Error(std::string(error.what()) + "; run lfm-resample again");
+  }
   const bool finite = std::all_of(mesh.normals.begin(), mesh.normals.end(),
                                   [](const auto& n) { return n.allFinite(); }) &&
                       std::all_of(content.vertex_frames.begin(), content.vertex_frames.end(),
@@ -122,16 +132,17 @@ void ReadPhotoIds(Bytes chunk, const std::string& name, LightFieldContent& conte
   if (cursor.rest().size() >= 8) Fail(name, "light field photographs have a wrong length");
 }
 
-std::span<const uint16_t> TakeUint16(Cursor& cursor, uint64_t count) {
-  const Bytes taken = cursor.Take(lfs::Padded(count * sizeof(uint16_t)));
+std::span<const uint16_t> Uint16At(const std::byte* place, uint64_t count) {
   // Records begin at multiples of 8, and so does every part of one.
-  return {reinterpret_cast<const uint16_t*>(taken.data()), static_cast<size_t>(count)};
+  return {reinterpret_cast<const uint16_t*>(place), static_cast<size_t>(count)};
 }
 
 LightFieldRecord ReadRecord(const lfs::IndexEntry& entry, Bytes data, const std::string& name,
                             const LightFieldContent& content) {
   LightFieldRecord record;
-  record.edge_samples = static_cast<int>(entry.edge_samples);
+  record.offset = entry.offset;
+  record.edge_samples = static_cast<uint16_t>(entry.edge_samples);
+  record.views = static_cast<uint16_t>(entry.views);
   const Bytes bytes =
       data.subspan(static_cast<size_t>(entry.offset), static_cast<size_t>(entry.bytes));
   if (entry.checksum != Checksum(bytes.data(), bytes.size())) {
@@ -139,16 +150,17 @@ LightFieldRecord ReadRecord(const lfs::IndexEntry& entry, Bytes data, const std:
   }
   Cursor cursor(bytes, name);
   if (entry.views > 0) {
-    record.photos = TakeUint16(cursor, entry.views);
-    record.values = TakeUint16(cursor, lfs::ValueCount(entry.edge_samples, entry.views));
-    for (Bytes& weights : record.weights) {
+    const auto photos =
+        Uint16At(cursor.Take(lfs::Padded(entry.views * sizeof(uint16_t))).data(), entry.views);
+    cursor.Take(lfs::Padded(lfs::ValueCount(entry.edge_samples, entry.views) * sizeof(uint16_t)));
+    for (uint32_t& place : record.weights_at8) {
       const auto grid = static_cast<size_t>(content.grid);
-      const size_t size = CheckWeights(cursor.rest(), grid * grid, entry.views, name);
-      weights = cursor.Take(size);
+      place = static_cast<uint32_t>((bytes.size() - cursor.rest().size()) / 8);
+      cursor.Take(CheckWeights(cursor.rest(), grid * grid, entry.views, name));
     }
-    const bool ascending = std::adjacent_find(record.photos.begin(), record.photos.end(),
-                                              std::greater_equal<>()) == record.photos.end();
-    if (!ascending || record.photos.back() >= content.photo_ids.size()) {
+    const bool ascending =
+        std::adjacent_find(photos.begin(), photos.end(), std::greater_equal<>()) == photos.end();
+    if (!ascending || photos.back() >= content.photo_ids.size()) {
       Fail(name, "light field names photographs that it does not have");
     }
   }
@@ -156,11 +168,15 @@ LightFieldRecord ReadRecord(const lfs::IndexEntry& entry, Bytes data, const std:
   return record;
 }
 
-void ReadRecords(Bytes index, Bytes data, const std::string& name, LightFieldContent& content) {
-  Cursor cursor(index, name);
+std::span<const lfs::IndexEntry> ReadIndex(Bytes index, Bytes data, const std::string& name,
+                                           const LightFieldContent& content) {
   const size_t count = content.mesh.triangles.size();
-  const auto entries = cursor.ReadArray<lfs::IndexEntry>(count);
-  if (!cursor.rest().empty()) Fail(name, "light field index has a wrong length");
+  if (index.size() / sizeof(lfs::IndexEntry) < count) Fail(name, "light field file is truncated");
+  if (index.size() != count * sizeof(lfs::IndexEntry)) {
+    Fail(name, "light field index has a wrong length");
+  }
+  // Chunks begin at multiples of 8.
+  const std::span entries(reinterpret_cast<const lfs::IndexEntry*>(index.data()), count);
   uint64_t place = 0;
   for (const lfs::IndexEntry& entry : entries) {
     const bool fits = entry.offset == place && entry.bytes % 8 == 0 &&
@@ -171,27 +187,55 @@ void ReadRecords(Bytes index, Bytes data, const std::string& name, LightFieldCon
     place += entry.bytes;
   }
   if (place != data.size()) Fail(name, "light field index is out of range");
-  content.records.resize(count);
-  ParallelFor(
-      0, static_cast<int64_t>(count),
-      [&](int64_t t) {
-        const auto i = static_cast<size_t>(t);
-        content.records[i] = ReadRecord(entries[i], data, name, content);
-      },
-      64);
+  return entries;
+}
+
+void ReadRecords(Bytes index, Bytes data, const std::string& name, const PartRead& part_read,
+                 LightFieldContent& content) {
+  constexpr int64_t kBlock = 512;  // many pages, so that few lie on the border of two
+  const auto entries = ReadIndex(index, data, name, content);
+  content.data = data;
+  content.records.resize(entries.size());
+  ParallelChunks(static_cast<int64_t>(entries.size()), kBlock,
+                 [&](int64_t begin, int64_t end, int64_t) {
+                   for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+                     content.records[i] = ReadRecord(entries[i], data, name, content);
+                   }
+                   const auto& first = entries[static_cast<size_t>(begin)];
+                   const auto& last = entries[static_cast<size_t>(end - 1)];
+                   part_read(data.subspan(static_cast<size_t>(first.offset),
+                                          last.offset + last.bytes - first.offset));
+                 });
 }
 
 }  // namespace
 
-LightFieldContent ParseLightField(std::span<const std::byte> bytes, const std::string& name) {
+std::span<const uint16_t> LightFieldContent::Photos(const LightFieldRecord& record) const {
+  return Uint16At(data.data() + record.offset, record.views);
+}
+
+std::span<const uint16_t> LightFieldContent::Values(const LightFieldRecord& record) const {
+  return Uint16At(data.data() + record.offset + lfs::Padded(record.views * sizeof(uint16_t)),
+                  lfs::ValueCount(record.edge_samples, record.views));
+}
+
+std::span<const std::byte> LightFieldContent::Weights(const LightFieldRecord& record,
+                                                      int corner) const {
+  const uint64_t at8 = record.weights_at8[static_cast<size_t>(corner)];
+  return data.subspan(static_cast<size_t>(record.offset + 8 * at8));
+}
+
+LightFieldContent ParseLightField(std::span<const std::byte> bytes, const std::string& name,
+                                  const PartRead& part_read) {
   const lfs::FileHeader header = ReadHeader(bytes, name);
-  const auto chunks = SplitChunks(header, bytes, name);
+  const auto chunks = SplitChunks(header, bytes, name, part_read);
   LightFieldContent content;
   content.grid = static_cast<int>(header.grid);
   content.direction_map = static_cast<DirectionMap>(header.direction_map);
-  ReadMesh(chunks[lfs::kMesh], name, content);
+  ReadMesh(chunks[lfs::kMesh], name, part_read, content);
   ReadPhotoIds(chunks[lfs::kPhotos], name, content);
-  ReadRecords(chunks[lfs::kIndex], chunks[lfs::kData], name, content);
+  ReadRecords(chunks[lfs::kIndex], chunks[lfs::kData], name, part_read, content);
+  part_read(bytes);
   return content;
 }
 

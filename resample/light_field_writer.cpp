@@ -46,6 +46,8 @@ Buffer EncodeMesh(const TriangleMesh& mesh, const std::vector<Eigen::Matrix3d>& 
   const lfs::MeshHeader header{count, mesh.triangles.size(), mesh.confidence.empty() ? 0U : 1U,
                                mesh.colors.empty() ? 0U : 1U};
   Buffer buffer;
+  constexpr size_t kBytesAVertex = sizeof(Eigen::Vector3d) * 2 + sizeof(Eigen::Matrix3d) + 16;
+  buffer.reserve(count * kBytesAVertex + mesh.triangles.size() * sizeof(Eigen::Vector3i) + 64);
   Append(buffer, &header, 1);
   Append(buffer, mesh.vertices.data(), count);
   Append(buffer, normals.data(), count);
@@ -131,7 +133,7 @@ struct LightFieldWriter::State {
     }
   }
 
-  void WriteChunk(lfs::Chunk chunk, const Buffer& content) {
+  void WriteChunk(lfs::Chunk chunk, std::span<const std::byte> content) {
     header.chunks[chunk] = {lfs::kTags[chunk], 0, place, content.size(),
                             Checksum(content.data(), content.size())};
     WriteBytes(content.data(), content.size());
@@ -147,6 +149,7 @@ LightFieldWriter::LightFieldWriter(const std::filesystem::path& file, const Head
   state.file = file;
   state.partial = file.parent_path() / ("." + file.filename().string() + ".partial");
   state.triangle_count = header.mesh.triangles.size();
+  state.index.reserve(state.triangle_count);
   state.photo_count = header.photo_ids.size();
   state.header.magic = lfs::kMagic;
   state.header.version = lfs::kVersion;
@@ -179,9 +182,7 @@ void LightFieldWriter::Finish() {
   State& state = *state_;
   Require(state.descriptor >= 0 && state.index.size() == state.triangle_count,
           "fewer triangles written than the mesh has");
-  Buffer index;
-  Append(index, state.index.data(), state.index.size());
-  state.WriteChunk(lfs::kIndex, index);
+  state.WriteChunk(lfs::kIndex, std::as_bytes(std::span(state.index)));
   state.header.file_bytes = state.place;
   state.header.checksum = Checksum(&state.header, offsetof(lfs::FileHeader, checksum));
   if (::lseek(state.descriptor, 0, SEEK_SET) != 0) state.Fail();

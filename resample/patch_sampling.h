@@ -28,10 +28,13 @@ std::array<std::array<float, 256>, 3> LevelsWithGain(const Eigen::Vector3d& gain
 struct PhotoPixels {
   int width = 0, height = 0;
   std::vector<uint8_t> rgbu;
+  const uint8_t* in_file = nullptr;  ///< where they lie instead, mapped: `rgbu` is empty then
   /// The level that a channel's 8-bit value stands for: itself, unless the photograph has a gain.
   std::array<std::array<float, 256>, 3> levels = LevelsWithGain(Eigen::Vector3d::Ones());
 
-  const uint8_t* At(int x, int y) const { return &rgbu[4 * (static_cast<size_t>(y) * width + x)]; }
+  const uint8_t* At(int x, int y) const {
+    return (in_file != nullptr ? in_file : rgbu.data()) + 4 * (static_cast<size_t>(y) * width + x);
+  }
 };
 
 /// Joins a picture and its usable pixels. Gray pictures become RGB, an alpha channel is ignored,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/process_memory.h"
 #include "core/ray_scene.h"
 #include "resample/photo_gains.h"
 #include "resample/triangle_resampling.h"
@@ -41,40 +42,72 @@ double Share(int64_t part, int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-Totals WriteTriangles(const ResampleScene& scene, const std::vector<TriangleViews>& views,
-                      LightFieldWriter& writer, Progress& progress) {
+/// How many of the triangles from `first` on are resampled at a time.
+size_t BatchSize(const ResampleScene& scene, const std::vector<TriangleViews>& block, size_t first,
+                 const MemoryLimit& memory, int64_t bytes_left) {
+  int64_t bytes = 0;
+  for (size_t t = first; t < block.size(); ++t) {
+    bytes += ResampleTriangleBytes(scene, block[t]);
+    if (bytes <= bytes_left) continue;
+    if (t > first) return t - first;
+    memory.Require(bytes, "resampling the largest triangle",
+                   "or take a smaller --max-edge-samples or --view-grid");
+  }
+  return block.size() - first;
+}
+
+Totals WriteTriangles(const ResampleScene& scene, const SeenPhotos& seen, LightFieldWriter& writer,
+                      const MemoryLimit& memory, Progress& progress) {
   // Bounds memory, and lets the order in the file not depend on who finishes first.
-  constexpr size_t kBatch = 256;
-  progress.Start("resampling triangles", static_cast<int64_t>(views.size()));
+  constexpr size_t kBlock = 256;
+  const size_t count = scene.mesh.triangles.size();
+  progress.Start("resampling triangles", static_cast<int64_t>(count));
   Totals totals;
-  for (size_t begin = 0; begin < views.size(); begin += kBatch) {
-    std::vector<ResampledTriangle> batch(std::min(kBatch, views.size() - begin));
-    ParallelFor(0, static_cast<int64_t>(batch.size()), [&](int64_t i) {
-      const size_t t = begin + static_cast<size_t>(i);
-      batch[static_cast<size_t>(i)] = ResampleTriangle(scene, static_cast<int>(t), views[t]);
-      progress.Advance();
-    });
-    for (const ResampledTriangle& triangle : batch) {
-      writer.Write(triangle.record);
-      totals.Add(triangle);
+  TriangleViewsReader reader(seen.lists);
+  const int64_t bytes_left = memory.BytesLeft() - reader.BufferBytes();
+  for (size_t begin = 0; begin < count; begin += kBlock) {
+    const std::vector<TriangleViews> block =
+        reader.Next(static_cast<int>(std::min(kBlock, count - begin)));
+    for (size_t first = 0; first < block.size();) {
+      std::vector<ResampledTriangle> batch(BatchSize(scene, block, first, memory, bytes_left));
+      ParallelFor(0, static_cast<int64_t>(batch.size()), [&](int64_t i) {
+        const size_t t = first + static_cast<size_t>(i);
+        batch[static_cast<size_t>(i)] =
+            ResampleTriangle(scene, static_cast<int>(begin + t), block[t]);
+        progress.Advance();
+      });
+      for (const ResampledTriangle& triangle : batch) {
+        writer.Write(triangle.record);
+        totals.Add(triangle);
+      }
+      seen.file.Release();
+      first += batch.size();
     }
   }
   return totals;
 }
 
 /// Finds gains, and when they are wanted sets the levels that photographs are read by.
-void UsePhotoGains(const ResampleScene& scene, const std::vector<TriangleViews>& views,
-                   std::vector<SeenPhoto>& seen, ResampleResult& result) {
+void UsePhotoGains(const ResampleScene& scene, SeenPhotos& seen, ResampleResult& result) {
   const PhotoGainUse use = scene.options.photo_gains;
   if (use == PhotoGainUse::kOff) return;
-  PhotoGains gains = EstimatePhotoGains(MeasureShades(scene, views), seen.size());
+  PhotoGains gains = EstimatePhotoGains(MeasureShades(scene, seen.lists), seen.photos.size());
   result.gain_error_without = gains.error_without;
   result.gain_error_with = gains.error_with;
   if (use == PhotoGainUse::kAuto && !gains.Needed()) return;
-  for (size_t p = 0; p < seen.size(); ++p) {
-    seen[p].pixels.levels = LevelsWithGain(gains.gains[p]);
+  for (size_t p = 0; p < seen.photos.size(); ++p) {
+    seen.photos[p].pixels.levels = LevelsWithGain(gains.gains[p]);
   }
   result.photo_gains = std::move(gains.gains);
+}
+
+/// What the meshes' own forms take beside them: the surface's rays; the mesh's frames, normals and
+/// deviations, its copy, its form in the file, and the file's index.
+int64_t MeshBytes(const TriangleMesh& surface, const TriangleMesh& mesh) {
+  constexpr int64_t kSurfaceTriangle = 250, kVertex = 250, kTriangle = 64;
+  return kSurfaceTriangle * static_cast<int64_t>(surface.triangles.size()) +
+         kVertex * static_cast<int64_t>(mesh.vertices.size()) +
+         kTriangle * static_cast<int64_t>(mesh.triangles.size());
 }
 
 }  // namespace
@@ -88,6 +121,9 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
   ValidateMesh(surface, "the dense surface");
   ValidateMesh(mesh, "the mesh");
   const std::vector<UsedPhoto> photos = FindUsedPhotos(capture, calib);
+  const MemoryLimit memory(options.memory_mib);
+  memory.Require(MeshBytes(surface, mesh), "preparing the meshes",
+                 "or take fewer triangles (lfm-mesh --triangle-count)");
 
   LightFieldWriter::Header header;
   header.mesh = mesh;
@@ -102,23 +138,23 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
 
   const RayScene surface_scene(surface);
   const std::vector<double> deviations_mm = TriangleDeviations(mesh, surface_scene);
-  std::vector<SeenPhoto> seen = LookAtPhotos(photos, surface, surface_scene, mesh, deviations_mm,
-                                             load_image, options, progress);
+  SeenPhotos seen = LookAtPhotos(
+      photos, {surface, surface_scene, mesh, deviations_mm, options, lfs_file.parent_path()},
+      load_image, memory, progress);
   const std::vector<Eigen::Vector2d> grid_in_plane =
       GridInPlane(options.direction_map, options.view_grid);
   const ResampleScene scene{header.mesh,
                             surface_scene,
                             header.vertex_frames,
                             photos,
-                            seen,
+                            seen.photos,
                             grid_in_plane,
                             options,
                             *std::max_element(deviations_mm.begin(), deviations_mm.end())};
-  const std::vector<TriangleViews> views = GatherViews(seen, mesh.triangles.size());
   ResampleResult result;
-  UsePhotoGains(scene, views, seen, result);
+  UsePhotoGains(scene, seen, result);
   LightFieldWriter writer(lfs_file, header);
-  const Totals totals = WriteTriangles(scene, views, writer, progress);
+  const Totals totals = WriteTriangles(scene, seen, writer, memory, progress);
   writer.Finish();
 
   const int64_t entries = int64_t{options.view_grid} * options.view_grid;

@@ -49,6 +49,7 @@ struct ResampleOptions {
   SampleOn sample_on = SampleOn::kMesh;
   Sampling sampling = Sampling::kBilinear;
   PhotoGainUse photo_gains = PhotoGainUse::kAuto;
+  int memory_mib = 4096;
   void Declare(OptionVisitor& v) {
     v.Integer({"view-grid", "Directions a side of a view map: sharper highlights against bytes.",
                "", 2, 128},
@@ -114,6 +115,12 @@ struct ResampleOptions {
                    "Bring photographs to one exposure and white balance, estimated where they show "
                    "the same triangles: where they need it (auto), never, or always."},
                   {"auto", "off", "on"}, photo_gains);
+    v.Integer({"memory-mib",
+               "Most memory to take, whatever the number of photographs and triangles: what does "
+               "not fit is put aside in the output's folder, or done in smaller parts. The result "
+               "is the same.",
+               "MiB", 64, 1 << 24},
+              memory_mib);
   }
 };
 

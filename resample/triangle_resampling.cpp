@@ -13,6 +13,21 @@ namespace {
 
 constexpr float kCeiling = 65535.0F / LightField::kOne;
 
+int EdgeSamples(const ResampleScene& scene, const TriangleViews& views) {
+  return ChooseEdgeSamples(scene.options.sample_density * views.largest_px,
+                           scene.options.max_edge_samples);
+}
+
+/// Of a photograph that lies in a file: what becomes resident when a triangle is sampled. The
+/// system maps 64 KiB at a time.
+int64_t BytesRead(const PhotoPixels& pixels, double area_px) {
+  if (pixels.in_file == nullptr) return 0;
+  constexpr int64_t kWindow = 1 << 16;
+  const int64_t row = 4 * int64_t{pixels.width};
+  const auto rows = static_cast<int64_t>(2 * std::sqrt(area_px)) + 2;
+  return std::min(rows * std::min(row, kWindow) + kWindow, row * pixels.height + kWindow);
+}
+
 struct Views {
   std::vector<uint16_t> photos;
   std::vector<SampledView> sampled;
@@ -154,25 +169,23 @@ void WeighViews(const ResampleScene& scene, int triangle, ResampledTriangle& res
 
 }  // namespace
 
-std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_t triangle_count) {
-  std::vector<TriangleViews> views(triangle_count);
-  for (size_t p = 0; p < seen.size(); ++p) {
-    for (const VisibleTriangle& visible : seen[p].triangles) {
-      TriangleViews& of_triangle = views[static_cast<size_t>(visible.triangle)];
-      of_triangle.photos.push_back(static_cast<uint16_t>(p));
-      of_triangle.hidden_beyond_mm.push_back(visible.hidden_beyond_mm);
-      of_triangle.largest_px = std::max(of_triangle.largest_px, visible.area_px);
-    }
+int64_t ResampleTriangleBytes(const ResampleScene& scene, const TriangleViews& views) {
+  // Sampled, interleaved, and while gaps are filled as float and double.
+  constexpr int64_t kBytesAValue = 40, kBytesAnEntry = 3 * 3 * 8, kRest = 4096;
+  const int64_t samples = PatchSampleCount(EdgeSamples(scene, views));
+  const auto entries = static_cast<int64_t>(scene.grid_in_plane.size());
+  int64_t bytes = kRest + kBytesAnEntry * entries;
+  for (const uint16_t p : views.photos) {
+    bytes += kBytesAValue * 3 * samples + BytesRead(scene.seen[p].pixels, views.largest_px);
   }
-  return views;
+  return bytes;
 }
 
 ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
                                    const TriangleViews& candidates) {
   ResampledTriangle result;
   LightFieldWriter::Triangle& record = result.record;
-  record.edge_samples = ChooseEdgeSamples(scene.options.sample_density * candidates.largest_px,
-                                          scene.options.max_edge_samples);
+  record.edge_samples = EdgeSamples(scene, candidates);
   const std::vector<Eigen::Vector3d> points =
       PatchPoints(scene.mesh, triangle, record.edge_samples, scene.options.sample_on, scene.surface,
                   scene.max_shift_mm);

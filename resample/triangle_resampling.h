@@ -6,6 +6,7 @@
 
 #include "core/ray_scene.h"
 #include "resample/light_field.h"
+#include "resample/triangle_views.h"
 #include "resample/used_photos.h"
 
 namespace lfm {
@@ -22,15 +23,6 @@ struct ResampleScene {
   double max_shift_mm = 0;  ///< for SampleOn::kSurface
 };
 
-/// The photographs that show one triangle, and its area in the one where it is largest.
-struct TriangleViews {
-  std::vector<uint16_t> photos;          ///< ascending
-  std::vector<double> hidden_beyond_mm;  ///< as `photos`: of VisibleTriangle
-  double largest_px = 0;                 ///< what is hidden not counted
-};
-/// The lists of SeenPhoto, by triangle.
-std::vector<TriangleViews> GatherViews(const std::vector<SeenPhoto>& seen, size_t triangle_count);
-
 struct ResampledTriangle {
   LightFieldWriter::Triangle record;
   int64_t samples = 0;       ///< of all views
@@ -44,5 +36,7 @@ struct ResampledTriangle {
 /// (ResampleOptions).
 ResampledTriangle ResampleTriangle(const ResampleScene& scene, int triangle,
                                    const TriangleViews& views);
+/// Memory that this takes at most, result included, in bytes.
+int64_t ResampleTriangleBytes(const ResampleScene& scene, const TriangleViews& views);
 
 }  // namespace lfm

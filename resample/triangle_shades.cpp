@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/image.h"
 #include "core/parallel.h"
@@ -53,24 +54,53 @@ TriangleShades ShadesOf(const ResampleScene& scene, int triangle, const Triangle
   return shades;
 }
 
+/// Calls `take(triangle, views)` for every triangle of the mesh, in order.
+template <typename Take>
+void ForEachTriangle(const ResampleScene& scene, const VisibleLists& lists, const Take& take) {
+  constexpr int kBlock = 256;
+  TriangleViewsReader reader(lists);
+  const auto count = static_cast<int>(scene.mesh.triangles.size());
+  for (int begin = 0; begin < count; begin += kBlock) {
+    int triangle = begin;
+    for (TriangleViews& views : reader.Next(std::min(kBlock, count - begin))) {
+      take(triangle++, std::move(views));
+    }
+  }
+}
+
+struct ChosenTriangle {
+  int triangle = 0;
+  TriangleViews views;
+};
+
+std::vector<ChosenTriangle> ChooseTriangles(const ResampleScene& scene, const VisibleLists& lists) {
+  std::vector<int> seen;
+  ForEachTriangle(scene, lists, [&](int triangle, const TriangleViews& views) {
+    const auto& hidden = views.hidden_beyond_mm;
+    const auto in_sight = static_cast<size_t>(std::count(hidden.begin(), hidden.end(), 0.0));
+    if (in_sight >= kLeastViews) seen.push_back(triangle);
+  });
+  const size_t count = std::min(kMostTriangles, seen.size());
+  std::vector<ChosenTriangle> chosen;
+  ForEachTriangle(scene, lists, [&](int triangle, TriangleViews views) {
+    const size_t next = chosen.size();
+    if (next < count && seen[next * seen.size() / count] == triangle) {
+      chosen.push_back({triangle, std::move(views)});
+    }
+  });
+  return chosen;
+}
+
 }  // namespace
 
-std::vector<TriangleShades> MeasureShades(const ResampleScene& scene,
-                                          const std::vector<TriangleViews>& views) {
-  std::vector<int> seen;
-  for (size_t t = 0; t < views.size(); ++t) {
-    const auto& hidden = views[t].hidden_beyond_mm;
-    const auto in_sight = static_cast<size_t>(std::count(hidden.begin(), hidden.end(), 0.0));
-    if (in_sight >= kLeastViews) seen.push_back(static_cast<int>(t));
-  }
-  const size_t count = std::min(kMostTriangles, seen.size());
-  std::vector<TriangleShades> shades(count);
+std::vector<TriangleShades> MeasureShades(const ResampleScene& scene, const VisibleLists& lists) {
+  const std::vector<ChosenTriangle> chosen = ChooseTriangles(scene, lists);
+  std::vector<TriangleShades> shades(chosen.size());
   ParallelFor(
-      0, static_cast<int64_t>(count),
+      0, static_cast<int64_t>(chosen.size()),
       [&](int64_t i) {
-        const int triangle = seen[static_cast<size_t>(i) * seen.size() / count];
-        shades[static_cast<size_t>(i)] =
-            ShadesOf(scene, triangle, views[static_cast<size_t>(triangle)]);
+        const ChosenTriangle& one = chosen[static_cast<size_t>(i)];
+        shades[static_cast<size_t>(i)] = ShadesOf(scene, one.triangle, one.views);
       },
       16);
   return shades;

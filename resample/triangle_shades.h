@@ -11,7 +11,6 @@ namespace lfm {
 /// Mean colours of up to 1000 triangles in the photographs that show them, from a few
 /// samples each, in parallel. They are spread evenly over those that six photographs see; a view
 /// with a saturated sample, or one near a depth edge, is left out.
-std::vector<TriangleShades> MeasureShades(const ResampleScene& scene,
-                                          const std::vector<TriangleViews>& views);
+std::vector<TriangleShades> MeasureShades(const ResampleScene& scene, const VisibleLists& lists);
 
 }  // namespace lfm

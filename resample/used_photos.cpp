@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "resample/used_photos.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -13,14 +15,26 @@
 namespace lfm {
 namespace {
 
-/// Lenses are undone once a camera, not once a photograph.
-std::map<std::string, std::vector<Eigen::Vector3d>> RaysOfCameras(
-    const std::vector<UsedPhoto>& photos) {
-  std::map<std::string, std::vector<Eigen::Vector3d>> rays;
+constexpr const char* kCure =
+    "or take smaller photographs, or fewer triangles (lfm-mesh --triangle-count)";
+
+int64_t PixelCount(const UsedPhoto& photo) {
+  return int64_t{photo.camera.width} * photo.camera.height;
+}
+
+using CameraRays = std::map<std::string, std::vector<Eigen::Vector3d>>;
+
+/// Lenses are undone once a camera, not once a photograph: of cameras that took several, as long as
+/// their rays take `most_bytes` in all.
+CameraRays RaysOfCameras(const std::vector<UsedPhoto>& photos, int64_t most_bytes) {
+  std::map<std::string, int> uses;
+  for (const UsedPhoto& photo : photos) ++uses[photo.camera_name];
+  CameraRays rays;
   for (const UsedPhoto& photo : photos) {
-    if (!rays.contains(photo.camera_name)) {
-      rays[photo.camera_name] = PixelDirections(photo.camera);
-    }
+    if (uses[photo.camera_name] < 2 || rays.contains(photo.camera_name)) continue;
+    most_bytes -= PixelCount(photo) * static_cast<int64_t>(sizeof(Eigen::Vector3d));
+    if (most_bytes < 0) break;
+    rays[photo.camera_name] = PixelDirections(photo.camera);
   }
   return rays;
 }
@@ -50,6 +64,56 @@ void ForbidWhatIsNoNumber(const Image& picture, std::vector<PixelUse>& usable) {
       usable[i / channels] = PixelUse::kForbidden;
     }
   }
+}
+
+SeenPhoto LookAtPhoto(const UsedPhoto& photo, const PhotoLook& look, const CameraRays& rays,
+                      const ImageLoader& load_image, size_t index, VisibleLists& lists) {
+  const Image picture = load_image(photo.file);
+  PhotoSight sight{photo.camera, photo.camera_from_world, {}, {}};
+  const auto known = rays.find(photo.camera_name);
+  sight.depth = RenderDepth(look.surface, look.surface_scene, photo.camera,
+                            known != rays.end() ? known->second : PixelDirections(photo.camera),
+                            photo.camera_from_world);
+  sight.usable = FindUsablePixels(sight.depth, photo.camera, look.options.depth_margin_px);
+  ForbidWhatIsNoNumber(picture, sight.usable);
+  if (!photo.mask.empty()) {
+    ApplyMask(load_image(photo.mask), photo.mask, photo.camera, sight.usable);
+  }
+  lists.Put(index, FindVisibleTriangles(look.mesh, look.deviations_mm, sight,
+                                        {look.options.max_grazing_deg, look.options.min_data_share,
+                                         look.options.max_hidden_share}));
+  return {MakePhotoPixels(picture, sight.usable, photo.camera, photo.file)};
+}
+
+/// How what is left of the memory is used.
+struct MemoryPlan {
+  int64_t rays_bytes = 0;    ///< of cameras that took several photographs
+  bool holds_pixels = true;  ///< or else they are put aside
+  int64_t at_once = 1;       ///< photographs looked at
+};
+
+MemoryPlan PlanMemory(const std::vector<UsedPhoto>& photos, const TriangleMesh& mesh,
+                      const MemoryLimit& memory) {
+  // A float picture, its depths, marks, a mask, its rays; projected vertices; the list as it grows.
+  constexpr int64_t kBytesAPixel = 36, kRaysBytesAPixel = 24, kBytesAVertex = 48,
+                    kBytesATriangle = 36, kPixelBytes = 4;
+  int64_t largest = 0, pixels = 0;
+  for (const UsedPhoto& photo : photos) {
+    largest = std::max(largest, PixelCount(photo));
+    pixels += PixelCount(photo);
+  }
+  const int64_t one = (kBytesAPixel + kRaysBytesAPixel) * largest +
+                      kBytesAVertex * static_cast<int64_t>(mesh.vertices.size()) +
+                      kBytesATriangle * static_cast<int64_t>(mesh.triangles.size());
+  memory.Require(one, "looking at the photographs", kCure);
+  const int64_t left = memory.BytesLeft();
+  MemoryPlan plan;
+  plan.rays_bytes = (left - one) / 4;
+  plan.holds_pixels = kPixelBytes * pixels <= (left - one) / 2;
+  const int64_t held = plan.rays_bytes + (plan.holds_pixels ? kPixelBytes * pixels : 0);
+  plan.at_once = std::max<int64_t>(1, (left - held) / one);
+  if (plan.at_once >= ThreadCount()) plan.at_once = static_cast<int64_t>(photos.size());
+  return plan;
 }
 
 }  // namespace
@@ -84,33 +148,36 @@ std::vector<UsedPhoto> FindUsedPhotos(const Capture& capture, const CalibResult&
   return used;
 }
 
-std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
-                                    const TriangleMesh& surface, const RayScene& surface_scene,
-                                    const TriangleMesh& mesh,
-                                    const std::vector<double>& deviations_mm,
-                                    const ImageLoader& load_image, const ResampleOptions& options,
-                                    Progress& progress) {
+SeenPhotos LookAtPhotos(const std::vector<UsedPhoto>& photos, const PhotoLook& look,
+                        const ImageLoader& load_image, const MemoryLimit& memory,
+                        Progress& progress) {
   progress.Start("looking at photographs", static_cast<int64_t>(photos.size()));
-  const std::map<std::string, std::vector<Eigen::Vector3d>> rays = RaysOfCameras(photos);
-  std::vector<SeenPhoto> seen(photos.size());
-  ParallelFor(0, static_cast<int64_t>(photos.size()), [&](int64_t p) {
-    const UsedPhoto& photo = photos[static_cast<size_t>(p)];
-    const Image picture = load_image(photo.file);
-    PhotoSight sight{photo.camera, photo.camera_from_world, {}, {}};
-    sight.depth = RenderDepth(surface, surface_scene, photo.camera, rays.at(photo.camera_name),
-                              photo.camera_from_world);
-    sight.usable = FindUsablePixels(sight.depth, photo.camera, options.depth_margin_px);
-    ForbidWhatIsNoNumber(picture, sight.usable);
-    if (!photo.mask.empty()) {
-      ApplyMask(load_image(photo.mask), photo.mask, photo.camera, sight.usable);
+  const MemoryPlan plan = PlanMemory(photos, look.mesh, memory);
+  const CameraRays rays = RaysOfCameras(photos, plan.rays_bytes);
+  SeenPhotos seen{std::vector<SeenPhoto>(photos.size()), {look.scratch_folder, photos.size()}, {}};
+  std::optional<ScratchFile> pixels;
+  if (!plan.holds_pixels) pixels.emplace(look.scratch_folder);
+  std::vector<uint64_t> offsets(photos.size());
+  const auto look_at = [&](int64_t i) {
+    const auto p = static_cast<size_t>(i);
+    SeenPhoto& photo = seen.photos[p];
+    photo = LookAtPhoto(photos[p], look, rays, load_image, p, seen.lists);
+    if (pixels) {
+      offsets[p] = pixels->Append(photo.pixels.rgbu.data(), photo.pixels.rgbu.size());
+      photo.pixels.rgbu = {};
     }
-    SeenPhoto& result = seen[static_cast<size_t>(p)];
-    result.triangles = FindVisibleTriangles(
-        mesh, deviations_mm, sight,
-        {options.max_grazing_deg, options.min_data_share, options.max_hidden_share});
-    result.pixels = MakePhotoPixels(picture, sight.usable, photo.camera, photo.file);
     progress.Advance();
-  });
+  };
+  const auto count = static_cast<int64_t>(photos.size());
+  for (int64_t begin = 0; begin < count; begin += plan.at_once) {
+    ParallelFor(begin, std::min(count, begin + plan.at_once), look_at);
+  }
+  if (!pixels) return seen;
+  seen.file = pixels->Map();
+  for (size_t p = 0; p < photos.size(); ++p) {
+    seen.photos[p].pixels.in_file =
+        reinterpret_cast<const uint8_t*>(seen.file.bytes().data()) + offsets[p];
+  }
   return seen;
 }
 

@@ -2,15 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "calib/calib.h"
 #include "core/capture.h"
+#include "core/mapped_file.h"
+#include "core/process_memory.h"
 #include "core/progress.h"
 #include "core/ray_scene.h"
 #include "resample/patch_sampling.h"
 #include "resample/resample.h"
+#include "resample/triangle_views.h"
 #include "resample/visibility.h"
 
 namespace lfm {
@@ -31,16 +35,30 @@ std::vector<UsedPhoto> FindUsedPhotos(const Capture& capture, const CalibResult&
 /// A photograph read and looked at.
 struct SeenPhoto {
   PhotoPixels pixels;
-  std::vector<VisibleTriangle> triangles;
 };
 
-/// Reads every photograph (and mask) once and finds what it shows, in parallel. Throws Error as
-/// Resample does.
-std::vector<SeenPhoto> LookAtPhotos(const std::vector<UsedPhoto>& photos,
-                                    const TriangleMesh& surface, const RayScene& surface_scene,
-                                    const TriangleMesh& mesh,
-                                    const std::vector<double>& deviations_mm,
-                                    const ImageLoader& load_image, const ResampleOptions& options,
-                                    Progress& progress);
+/// Photographs, and what each shows.
+struct SeenPhotos {
+  std::vector<SeenPhoto> photos;
+  VisibleLists lists;
+  MappedFile file;  ///< the photographs' pixels, where memory does not hold them
+};
+
+/// What photographs are looked at with.
+struct PhotoLook {
+  const TriangleMesh& surface;
+  const RayScene& surface_scene;
+  const TriangleMesh& mesh;
+  const std::vector<double>& deviations_mm;  ///< TriangleDeviations
+  const ResampleOptions& options;
+  std::filesystem::path scratch_folder;  ///< for what memory does not hold
+};
+
+/// Reads every photograph (and mask) once and finds what it shows, in parallel: as many at a time
+/// as `memory` allows. Their pixels stay in memory when they take half of what is left at most.
+/// Throws Error as Resample does.
+SeenPhotos LookAtPhotos(const std::vector<UsedPhoto>& photos, const PhotoLook& look,
+                        const ImageLoader& load_image, const MemoryLimit& memory,
+                        Progress& progress);
 
 }  // namespace lfm

@@ -99,7 +99,9 @@ void AppendWeights(const LightField::WeightBuffer& weights, size_t view_count,
 
 size_t CheckWeights(std::span<const std::byte> bytes, size_t entry_count, size_t view_count,
                     const std::string& where) {
-  const auto fail = [&]() { throw Error(where + ": view weights are damaged; resample again"); };
+  const auto fail = [&]() {
+    throw Error(where + ": view weights are damaged; run lfm-resample again");
+  };
   if (bytes.size() < sizeof(Counts)) fail();
   const auto counts = Load<Counts>(bytes.data());
   if (counts.entries != entry_count || counts.rows > 65536) fail();

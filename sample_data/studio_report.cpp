@@ -3,23 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/formatted_text.h"
 #include "core/json_reader.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kMillion = 1e6;
-
-template <typename... Values>
-std::string Print(const char* format, Values... values) {
-  char text[320];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
 
 double Rms(double sum, int64_t count) {
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
@@ -104,7 +97,7 @@ void StageClock::Stop(StageReport& stage) const {
 std::string DescribeRays(const StageReport& stage) {
   const auto million = [](int64_t rays) { return static_cast<double>(rays) / kMillion; };
   const double total = million(stage.rays.Total());
-  return Print(
+  return FormattedText(
       "%s: %.1f million rays (camera %.1f, bounce %.1f, shadow %.1f) in %.1f s: %.2f million "
       "rays/s (%.2f a CPU second)",
       stage.name.c_str(), total, million(stage.rays.camera), million(stage.rays.bounce),
@@ -116,12 +109,13 @@ std::string DescribeNoise(const StageReport& stage) {
   if (!stage.noise || stage.noise->values == 0) return "";
   const double error = stage.noise->MonteCarloRms();
   if (!stage.has_sensor) {
-    return Print("%s: Monte Carlo error %.3g, values %.3g (RMS)", stage.name.c_str(), error,
-                 stage.noise->ValueRms());
+    return FormattedText("%s: Monte Carlo error %.3g, values %.3g (RMS)", stage.name.c_str(), error,
+                         stage.noise->ValueRms());
   }
   const double sensor = stage.noise->SensorRms();
-  std::string text = Print("%s: Monte Carlo error %.5f, sensor noise %.5f (RMS; 1: a full sensor)",
-                           stage.name.c_str(), error, sensor);
+  std::string text =
+      FormattedText("%s: Monte Carlo error %.5f, sensor noise %.5f (RMS; 1: a full sensor)",
+                    stage.name.c_str(), error, sensor);
   if (sensor > 0 && error > sensor) text += "; for studies of noise take --quality reference";
   return text;
 }

@@ -257,11 +257,11 @@ TEST(ReflectionModel, FindsWherePhotographsWereTaken) {
     photo.id = id;
     photo.camera_from_world.translation = {0, 0, id[0] == 'a' ? -1.0 : -2.0};
   }
-  const std::vector<Eigen::Vector3d> eyes = EyesOfPhotos(calib, {"b", "a"});
+  const std::vector<Eigen::Vector3d> eyes = EyesOfPhotos(calib, {"b", "a"}, "a.lfs");
   ASSERT_EQ(eyes.size(), 2u);
   EXPECT_EQ(eyes[0], Eigen::Vector3d(0, 0, 2));
   EXPECT_EQ(eyes[1], Eigen::Vector3d(0, 0, 1));
-  EXPECT_THROW(EyesOfPhotos(calib, {"c"}), Error);
+  EXPECT_THROW(EyesOfPhotos(calib, {"c"}, "a.lfs"), Error);
 }
 
 TEST(ReflectionModel, TakesExtremes) {

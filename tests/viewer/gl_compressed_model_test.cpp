@@ -88,10 +88,8 @@ LightFieldModel Coarser(const LightFieldModel& model) {
   std::mt19937 random(9);
   std::vector<std::vector<uint8_t>> levels(model.placements.size());
   const auto level = [&](int t) {
-    const int n = model.placements[t].edge_samples;
-    int most = 0;
-    for (int to = CoarserEdgeSamples(n); to > 0; to = CoarserEdgeSamples(to)) ++most;
-    return static_cast<uint8_t>(random() % (most + 1));
+    const size_t count = EdgeSampleLevels(model.placements[t].edge_samples).size();
+    return static_cast<uint8_t>(random() % count);
   };
   for (int t = 0; t < static_cast<int>(levels.size()); ++t) {
     for (int k = 0; k <= model.TriangleTerms(t); ++k) levels[t].push_back(level(t));
