@@ -71,9 +71,10 @@ SeenPhoto LookAtPhoto(const UsedPhoto& photo, const PhotoLook& look, const Camer
   const Image picture = load_image(photo.file);
   PhotoSight sight{photo.camera, photo.camera_from_world, {}, {}};
   const auto known = rays.find(photo.camera_name);
+  std::vector<Eigen::Vector3d> own;
+  if (known == rays.end()) own = PixelDirections(photo.camera);
   sight.depth = RenderDepth(look.surface, look.surface_scene, photo.camera,
-                            known != rays.end() ? known->second : PixelDirections(photo.camera),
-                            photo.camera_from_world);
+                            known != rays.end() ? known->second : own, photo.camera_from_world);
   sight.usable = FindUsablePixels(sight.depth, photo.camera, look.options.depth_margin_px);
   ForbidWhatIsNoNumber(picture, sight.usable);
   if (!photo.mask.empty()) {
