@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
+#include <sstream>
 
 #include "core/error.h"
 
@@ -32,11 +34,30 @@ int64_t ResidentMemoryBytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-int64_t MemoryLimit::BytesLeft() const { return limit_mib_ * kMib - ResidentMemoryBytes(); }
+int64_t AvailableMemoryBytes() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string name;
+    int64_t kib = 0;
+    if (words >> name >> kib && name == "MemAvailable:") return kib * 1024;
+  }
+  return std::numeric_limits<int64_t>::max();
+}
+
+int64_t MemoryLimit::BytesLeft() const {
+  if (limit_mib_ == 0) return AvailableMemoryBytes();
+  return limit_mib_ * kMib - ResidentMemoryBytes();
+}
 
 void MemoryLimit::Require(int64_t bytes, const std::string& what, const std::string& cure) const {
-  const int64_t lacking = bytes - BytesLeft();
+  const int64_t left = BytesLeft(), lacking = bytes - left;
   if (lacking <= 0) return;
+  if (limit_mib_ == 0) {
+    throw Error(what + " takes some " + std::to_string(bytes / kMib) +
+                " MiB, and the machine has " + std::to_string(left / kMib) + " free; free some, " +
+                cure);
+  }
   throw Error("--memory-mib " + std::to_string(limit_mib_) + ": " + what + " takes some " +
               std::to_string(limit_mib_ + lacking / kMib + 1) + " MiB in all; allow that much, " +
               cure);

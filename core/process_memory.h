@@ -13,9 +13,14 @@ double PeakMemoryMib();
 /// of files included. What was freed is given back to the system first.
 int64_t ResidentMemoryBytes();
 
-/// A bound on the resident memory of this process, for work that can be cut to fit.
+/// Memory that the machine could give to processes now, in bytes (the largest number where it does
+/// not tell).
+int64_t AvailableMemoryBytes();
+
+/// A bound on the resident memory of this process, for work that can be cut to fit, or refused.
 class MemoryLimit {
  public:
+  /// 0: what the machine has.
   explicit MemoryLimit(int limit_mib) : limit_mib_(limit_mib) {}
 
   /// Of the limit, not resident now; negative when it is exceeded.

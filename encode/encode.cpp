@@ -14,6 +14,7 @@
 #include "encode/map_coarsening.h"
 #include "encode/map_selection.h"
 #include "encode/mean_view.h"
+#include "encode/memory_need.h"
 #include "encode/model_error.h"
 #include "encode/model_layout.h"
 #include "encode/nonnegative_terms.h"
@@ -34,12 +35,6 @@ std::vector<int> EdgeSamples(const LightFieldSource& source) {
 
 bool HasTarget(const EncodeOptions& options) {
   return options.tolerance > 0 || options.target_db > 0 || options.target_mb > 0;
-}
-
-int MostTerms(const EncodeOptions& options) {
-  constexpr int kNonnegative = 3;  // they do not add up one by one: no choice a vertex
-  if (options.terms != EncodeOptions::kAsNeeded) return options.terms;
-  return options.factorization == Factorization::kNmf ? kNonnegative : options.max_terms;
 }
 
 VertexTerms FactorizeRing(const LightFieldSource& source, const MeanView& mean_view,
@@ -251,7 +246,9 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   CheckOptions(options);
   CheckSource(blended);
   CheckMapCompression(options.compression, blended.grid);
-  RequireRoomForMeanView(blended, EdgeSamples(blended), options);
+  const std::vector<int> edge_samples = EdgeSamples(blended);
+  RequireRoomForMeanView(blended, edge_samples, options);
+  RequireMemory(blended, edge_samples, options);
   const LightFieldSource source = FillDirections(blended, options, progress);
   const Factors factors = Factorize(source, options, progress);
   const MapCosts costs =

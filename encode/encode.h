@@ -41,6 +41,7 @@ struct EncodeOptions {
   double transport_db = 52;  ///< 0 = no transport form
   double geometry_error = 0.18;
   int max_texture_size = 4096;
+  int memory_mib = 0;
   MapCompressionOptions compression = {};  ///< of the finished maps, in model.glb
   void Declare(OptionVisitor& v) {
     v.Enumeration(
@@ -124,6 +125,12 @@ struct EncodeOptions {
              geometry_error);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
+    v.Integer({"memory-mib",
+               "Most memory to take: where encoding may need more (about four times the 8-bit maps "
+               "of all terms that a vertex may get, and 2 kB a triangle) it is refused before it "
+               "begins. 0 = what the machine has.",
+               "MiB", 0, 1 << 24},
+              memory_mib);
     compression.Declare(v);
   }
 };
@@ -167,7 +174,7 @@ struct EncodeResult {
 /// shared nor in blocks), and tiles the maps, in memory and in transport form. Two runs give the
 /// same bytes, whatever the number of threads. Memory: the 8-bit maps of all terms that
 /// may be chosen, the model (up to three times while resolutions are chosen for a target), and one
-/// vertex ring a thread.
+/// vertex ring a thread: EncodeBytes (memory_need.h), refused where options.memory_mib is less.
 ///
 /// A vertex without view-dependent energy gets no terms; terms = 0 gives the mean view alone.
 /// A tolerance or PSNR that max_terms do not reach gives all of them, and a note. Triangles that

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -12,6 +13,7 @@
 #include "encode/encode.h"
 #include "encode/encode_files.h"
 #include "encode/encode_pictures.h"
+#include "encode/memory_need.h"
 #include "encode/option_effects.h"
 
 namespace {
@@ -58,6 +60,12 @@ std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
     text += line;
   }
   return text;
+}
+
+// Of the light field's file: the system takes pages back where others need them.
+int64_t ResidentBytes(int memory_mib) {
+  constexpr int64_t kMib = 1 << 20, kMost = 1024;
+  return kMib * (memory_mib > 0 ? std::min(kMost, int64_t{memory_mib} / lfm::kFileShare) : kMost);
 }
 
 // Where the photographs were taken. Nothing where nobody asks, or where the calibration is not
@@ -119,8 +127,8 @@ int main(int argc, char** argv) {
       progress.Note("AFX is written of whole maps: --patch-detail full");
     }
     lfm::RequireWritableFolder(work / "encode");
-    const lfm::LightField light_field =
-        lfm::LightField::Open(work / "resample" / "light_field.lfs");
+    const lfm::LightField light_field = lfm::LightField::Open(work / "resample" / "light_field.lfs",
+                                                              ResidentBytes(options.memory_mib));
     const lfm::LightFieldSource source = lfm::SourceFromLightField(
         light_field, Eyes(work / "calib", light_field, options, given("fill"), progress));
     const lfm::EncodeResult result = lfm::Encode(source, options, progress);

@@ -176,6 +176,28 @@ TEST_F(EncodeFiles, CommandRefusesBadInputInOneLine) {
   expect_refused("'" + work_.string() + "'");
 }
 
+// Truncated anywhere, or with any byte changed: one line that names the file and the cure.
+TEST_F(EncodeFiles, CommandNamesADamagedLightField) {
+  WriteLightField();
+  const std::string good = ReadFile(LightFieldFile());
+  const auto expect_named = [&](const std::string& bytes, size_t at) {
+    WriteFileAtomically(LightFieldFile(), bytes);
+    EXPECT_EQ(Run("'" + work_.string() + "'"), 2) << at;
+    const std::string log = Log();
+    EXPECT_NE(log.find(LightFieldFile().string() + ": "), std::string::npos) << log;
+    EXPECT_NE(log.find("run lfm-resample again"), std::string::npos) << log;
+    EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+  };
+  constexpr size_t kPlaces = 12;
+  for (size_t i = 0; i < kPlaces; ++i) {
+    const size_t at = i * (good.size() - 1) / (kPlaces - 1);
+    expect_named(good.substr(0, at), at);
+    std::string patched = good;
+    patched[at] = static_cast<char>(patched[at] ^ 0x5a);
+    expect_named(patched, at);
+  }
+}
+
 TEST_F(EncodeFiles, CommandSaysWhatItCouldNotReach) {
   WriteLightField();
   const std::string plain = "'" + work_.string() + "' --terms 1 --transport-db 0";
