@@ -116,9 +116,12 @@ LightFieldModel CompressMaps(const LightFieldSource& source, const LightFieldMod
                              const MapCompressionLimits& limits, Progress& progress) {
   CheckMapCompression(options, model.grid);
   const bool in_blocks = options.blocks != PageBlocks::kNone;
-  const CodebookLayout layout{options.vq_start, PatchSpacing::kCompletions,
+  const CodebookLayout layout{options.vq_start,
+                              PatchSpacing::kCompletions,
+                              in_blocks ? PatchSpacing::kNone : PatchSpacing::kCompletions,
                               in_blocks ? PatchAlignment::kRectangles : PatchAlignment::kTexels,
-                              limits.max_texture_size, options.edge_weight};
+                              limits.max_texture_size,
+                              options.edge_weight};
   const MapScales scales = MeasureMapScales(model);
   LightFieldModel result = model;
   std::vector<int> view_codes;

@@ -48,7 +48,7 @@ struct LightFieldModel {
   /// The terms hold the mean view too (NMF): it is shown by vertices without terms alone.
   bool mean_in_terms = false;
 
-  std::vector<PatchPlacement> placements;  ///< T; of mean views, and of surface maps without their own
+  std::vector<PatchPlacement> placements;  ///< T; of mean views, and surface maps without their own
   std::vector<Image> mean_pages;           ///< RGB 8 bit sRGB
   /// `surface_pages[k][page]`: RGB 8 bit, channel = corner of the triangle (three monochrome maps).
   /// They are the upper parts of the pages, and fewer, where not all triangles have term k.

@@ -42,14 +42,14 @@ struct PatchPages {
   std::vector<PatchPlacement> placements;  // a triangle
 };
 
-PatchPages LayOutCodes(const PatchCodes& codes, const CodebookLayout& how) {
+PatchPages LayOutCodes(const PatchCodes& codes, PatchSpacing spacing, const CodebookLayout& how) {
   const PatchLayout layout =
-      PlacePatches(codes.edge_samples, {}, how.max_texture_size, how.spacing, how.alignment);
+      PlacePatches(codes.edge_samples, {}, how.max_texture_size, spacing, how.alignment);
   PatchPages result{MakePages(layout.page_sizes), {}};
   for (size_t i = 0; i < codes.texels.size(); ++i) {
     const PatchPlacement& placement = layout.placements[i];
     WritePatch(result.pages[placement.page], placement, codes.texels[i].data(), 0, 3);
-    if (how.spacing != PatchSpacing::kNone) {
+    if (spacing != PatchSpacing::kNone) {
       CompletePatch(result.pages[placement.page], placement);
     }
   }
@@ -77,7 +77,7 @@ LightFieldModel ShareMeanViews(LightFieldModel model, std::span<const MapGroup> 
       return Rounded(255.0 * book.values[size_t{1} * code * dimensions + 3 * sample + channel]);
     });
   }
-  PatchPages pages = LayOutCodes(patches, layout);
+  PatchPages pages = LayOutCodes(patches, layout.mean_spacing, layout);
   model.mean_pages = std::move(pages.pages);
   model.placements = std::move(pages.placements);
   return model;
@@ -108,7 +108,7 @@ LightFieldModel ShareSurfaceMaps(LightFieldModel model, std::span<const MapGroup
       return Rounded(peak > 0 ? kZero + kReach * value / peak : kZero);
     });
   }
-  PatchPages pages = LayOutCodes(patches, layout);
+  PatchPages pages = LayOutCodes(patches, layout.surface_spacing, layout);
   model.surface_pages[term] = std::move(pages.pages);
   model.surface_placements.resize(model.terms);
   model.surface_placements[term] = std::move(pages.placements);

@@ -14,7 +14,8 @@ namespace lfm {
 /// How codes are found and laid out.
 struct CodebookLayout {
   CodebookStart start = CodebookStart::kSplitting;
-  PatchSpacing spacing = PatchSpacing::kCompletions;
+  PatchSpacing mean_spacing = PatchSpacing::kCompletions;
+  PatchSpacing surface_spacing = PatchSpacing::kCompletions;
   PatchAlignment alignment = PatchAlignment::kTexels;
   int max_texture_size = 4096;
   double edge_weight = 0;  ///< linked_codebooks.h
