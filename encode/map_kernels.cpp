@@ -124,7 +124,7 @@ LFM_COMPILE_MAP_KERNELS(Avx2, __attribute__((target("arch=x86-64-v3"))), Float8)
 
 const Kernels& Best() {
 #if defined(__x86_64__)
-  static const Kernels& best = __builtin_cpu_supports("x86-64-v3") ? kAvx2 : kBaseline;
+  static const Kernels& best = kernels::RunsLevel3() ? kAvx2 : kBaseline;
   return best;
 #else
   return kBaseline;

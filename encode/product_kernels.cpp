@@ -236,9 +236,9 @@ LFM_COMPILE_KERNELS(Avx512, __attribute__((target("arch=x86-64-v4"))), Float16, 
 
 const Kernels& Best() {
 #ifdef LFM_KERNEL_LEVELS
-  static const Kernels& best = __builtin_cpu_supports("x86-64-v4")   ? kAvx512
-                               : __builtin_cpu_supports("x86-64-v3") ? kAvx2
-                                                                     : kBaseline;
+  static const Kernels& best = kernels::RunsLevel4()   ? kAvx512
+                               : kernels::RunsLevel3() ? kAvx2
+                                                       : kBaseline;
   return best;
 #else
   return kBaseline;

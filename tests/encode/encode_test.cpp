@@ -71,12 +71,18 @@ TEST(Encode, CountsItsBytes) {
   const SyntheticLightField field = Glossy();
   const EncodeResult result = Encode(field.Source(), {.terms = 2}, SilentProgress());
   const LightFieldModel& model = result.model;
-  int64_t texels = 0, view_texels = 0;
-  for (const Image& page : model.mean_pages) texels += int64_t{page.width()} * page.height();
-  for (const Image& page : model.view_pages[0])
-    view_texels += int64_t{page.width()} * page.height();
+  const auto bytes = [](const std::vector<Image>& pages) {
+    int64_t texels = 0;
+    for (const Image& page : pages) texels += int64_t{page.width()} * page.height();
+    return 3 * texels;
+  };
+  int64_t pages = bytes(model.mean_pages);
+  for (int k = 0; k < 2; ++k) pages += bytes(model.surface_pages[k]) + bytes(model.view_pages[k]);
   const auto vertices = static_cast<int64_t>(model.vertex_frames.size());
-  EXPECT_EQ(result.maps_bytes, 3 * texels + 2 * (3 * texels + 3 * view_texels) +
+  const auto triangles = static_cast<int64_t>(model.placements.size());
+  // Where surface maps lie and which tile a vertex has, the same for both terms: 8 bytes and an
+  // index of 2 a triangle, 2 a vertex.
+  EXPECT_EQ(result.maps_bytes, pages + (8 + 2) * triangles + 2 * vertices +
                                    2 * 2 * vertices * static_cast<int64_t>(sizeof(MapRange)));
   const double dense = 3.0 * 45 * static_cast<double>(model.placements.size()) * 144;
   EXPECT_NEAR(result.compression_ratio, dense / static_cast<double>(result.maps_bytes), 1e-9);

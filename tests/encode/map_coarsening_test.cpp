@@ -13,6 +13,7 @@
 #include "encode/model_evaluation.h"
 #include "encode/model_layout.h"
 #include "encode/patch_resolution.h"
+#include "encode/separate_layout.h"
 #include "tests/encode/edge_jump.h"
 #include "tests/encode/model_oracle.h"
 #include "tests/encode/synthetic_light_field.h"
@@ -197,7 +198,7 @@ TEST_F(MapCoarsening, KeepsEverySampleWhereNothingIsChosen) {
   EXPECT_FALSE(ChoosesDetail({.compression = {.vq_ratio = 2}}));
   EXPECT_FALSE(ChoosesDetail({.patch_detail = PatchDetail::kFull}));
   EXPECT_TRUE(ChoosesDetail({}));
-  EXPECT_TRUE(With({.terms = 2, .transport_db = 0}).model.surface_placements.empty());
+  EXPECT_TRUE(HasWholeMaps(With({.terms = 2, .transport_db = 0}).model));
   // The transport form holds whole maps either way.
   const EncodeResult coarse = With({.target_db = 42});
   const DecodedModel decoded = DecodeTransport(coarse.transport.bytes, "model.lfz");

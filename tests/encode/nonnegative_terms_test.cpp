@@ -163,7 +163,7 @@ TEST_F(NonnegativeTerms, ErrorAgainstTheLightFieldIsWhatEncodeReports) {
   }
   const EncodeResult other =
       Encode(MakeLightField(
-                 MakeSphere(1), 8, 80, [](int) { return 5; }, GlossyAppearance)
+                 MakeSphere(1), 8, 80, [](int) { return 6; }, GlossyAppearance)
                  .Source(),
              {.terms = 2}, SilentProgress());
   EXPECT_THROW(CompareWithLightField(field_.Source(), other.model), Error);

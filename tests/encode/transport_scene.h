@@ -41,6 +41,7 @@ inline LightFieldModel WithIsolatedVertex(LightFieldModel model) {
   }
   model.surface_ranges = surface;
   model.view_ranges = view;
+  for (std::vector<int>& tiles : model.view_codes) tiles.push_back(0);
   model.vertex_terms.push_back(0);
   model.guessed.clear();  // not known of the new vertex
   model.view_slots = RankByTerms(model.vertex_terms);
