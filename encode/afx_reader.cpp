@@ -361,8 +361,9 @@ std::filesystem::path PicturePath(const std::filesystem::path& folder, const std
     throw Error(file + ": picture " + vrml::Quoted(name) + " " + problem +
                 "; keep the pictures beside the file");
   };
-  const bool plain =
-      !name.empty() && name.find_first_of(std::string("\\:\0", 3)) == std::string::npos;
+  const bool plain = !name.empty() && std::none_of(name.begin(), name.end(), [](unsigned char c) {
+    return c == '\\' || c == ':' || c < 0x20 || c == 0x7f;
+  });
   if (!plain || path.is_absolute()) fail("is not named by a relative path");
   std::error_code error;
   const std::filesystem::path root = std::filesystem::weakly_canonical(

@@ -233,6 +233,7 @@ TEST_F(AfxHostile, PicturesMustLieBesideTheFile) {
   refused("http://localhost/mean.png", "relative path");
   refused("file:outside.png", "relative path");
   refused("", "relative path");
+  refused("two\nlines.png", "relative path");
   refused("missing.png", "no such file");
   refused("model_afx", "is not a file");
   std::ofstream(folder_ / "inside" / "text.png") << "no picture";

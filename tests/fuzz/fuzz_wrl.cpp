@@ -19,13 +19,13 @@ std::string MakePicture(const std::string& name) {
   const char* end = at + name.size();
   for (int& number : numbers) {
     const auto result = std::from_chars(at, end, number);
-    if (result.ec != std::errc() || result.ptr == end) throw Error(name + ": no such picture");
+    if (result.ec != std::errc() || result.ptr == end) throw Error("model.wrl: no such picture");
     at = result.ptr + 1;
   }
   const auto [channels, width, height] = numbers;
   const bool small =
       channels >= 1 && channels <= 4 && width >= 1 && width <= 512 && height >= 1 && height <= 512;
-  if (!small) throw Error(name + ": no such picture");
+  if (!small) throw Error("model.wrl: no such picture");
   Image image(width, height, channels, PixelType::kUint8, ColorEncoding::kSrgb);
   for (size_t i = 0; i < image.size(); ++i) {
     image.Data<uint8_t>()[i] = static_cast<uint8_t>(i * 37 / static_cast<size_t>(channels));
