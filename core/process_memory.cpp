@@ -58,7 +58,7 @@ void MemoryLimit::Require(int64_t bytes, const std::string& what, const std::str
                 " MiB, and the machine has " + std::to_string(left / kMib) + " free; free some, " +
                 cure);
   }
-  throw Error("--memory-mib " + std::to_string(limit_mib_) + ": " + what + " takes some " +
+  throw Error(option_ + (" " + std::to_string(limit_mib_)) + ": " + what + " takes some " +
               std::to_string(limit_mib_ + lacking / kMib + 1) + " MiB in all; allow that much, " +
               cure);
 }

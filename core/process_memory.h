@@ -20,8 +20,9 @@ int64_t AvailableMemoryBytes();
 /// A bound on the resident memory of this process, for work that can be cut to fit, or refused.
 class MemoryLimit {
  public:
-  /// 0: what the machine has.
-  explicit MemoryLimit(int limit_mib) : limit_mib_(limit_mib) {}
+  /// 0: what the machine has. `option` is what sets it, for messages.
+  explicit MemoryLimit(int limit_mib, const char* option = "--memory-mib")
+      : limit_mib_(limit_mib), option_(option) {}
 
   /// Of the limit, not resident now; negative when it is exceeded.
   int64_t BytesLeft() const;
@@ -31,6 +32,7 @@ class MemoryLimit {
 
  private:
   int limit_mib_;
+  const char* option_;
 };
 
 }  // namespace lfm

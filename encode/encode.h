@@ -125,7 +125,7 @@ struct EncodeOptions {
              geometry_error);
     v.Integer({"max-texture-size", "Largest side of a texture page.", "texels", 256, 16384},
               max_texture_size);
-    v.Integer({"memory-mib",
+    v.Integer({"encode-memory-mib",
                "Most memory to take: where encoding may need more (about four times the 8-bit maps "
                "of all terms that a vertex may get, and 2 kB a triangle) it is refused before it "
                "begins. 0 = what the machine has.",

@@ -30,7 +30,7 @@ int64_t EncodeBytes(const LightFieldSource& source, std::span<const int> edge_sa
 void RequireMemory(const LightFieldSource& source, std::span<const int> edge_samples,
                    const EncodeOptions& options) {
   const int64_t bytes = EncodeBytes(source, edge_samples, options);
-  MemoryLimit(options.memory_mib)
+  MemoryLimit(options.memory_mib, "--encode-memory-mib")
       .Require(options.memory_mib > 0 ? bytes / (kFileShare - 1) * kFileShare : bytes,
                "encoding " + std::to_string(edge_samples.size()) + " triangles of " +
                    std::to_string(source.grid) + " x " + std::to_string(source.grid) +

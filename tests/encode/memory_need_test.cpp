@@ -44,7 +44,7 @@ TEST(MemoryNeed, IsRefusedBeforeAnythingIsFactorised) {
     FAIL() << "was not refused";
   } catch (const Error& error) {
     const std::string text = error.what();
-    EXPECT_EQ(text.find("--memory-mib 1: encoding 32 triangles of 8 x 8 directions"), 0U) << text;
+    EXPECT_EQ(text.find("--encode-memory-mib 1: encoding 32 triangles of 8 x 8 directions"), 0U) << text;
     EXPECT_NE(text.find("--max-terms"), std::string::npos) << text;
     EXPECT_NE(text.find("--triangle-count"), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
