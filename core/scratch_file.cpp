@@ -15,8 +15,12 @@ namespace lfm {
 
 ScratchFile::ScratchFile(const std::filesystem::path& folder)
     : folder_(folder.empty() ? std::filesystem::path(".") : folder) {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder_, ignored);
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) FailWriting(folder_, error.value());
+  descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor_ >= 0) return;
+  // Not every file system knows files without a name.
   std::string name = (folder_ / ".scratch_XXXXXX").string();
   descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0) FailWriting(folder_, errno);

@@ -11,7 +11,8 @@
 namespace lfm {
 
 /// Bytes that lie on disk while a piece of work lasts, for what memory would not hold: a file
-/// without a name, gone with this object (and any mapping of it) however the process ends.
+/// without a name, gone with this object (and any mapping of it) however the process ends (of a
+/// file system without such files: unless it is killed between making it and taking its name away).
 ///
 /// Throws Error (kSystem) naming the folder when it is not writable or its disk is full.
 class ScratchFile {

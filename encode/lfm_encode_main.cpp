@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -62,12 +61,6 @@ std::string Figures(const lfm::EncodeResult& result, int64_t model_bytes) {
   return text;
 }
 
-// Of the light field's file: the system takes pages back where others need them.
-int64_t ResidentBytes(int memory_mib) {
-  constexpr int64_t kMib = 1 << 20, kMost = 1024;
-  return kMib * (memory_mib > 0 ? std::min(kMost, int64_t{memory_mib} / lfm::kFileShare) : kMost);
-}
-
 // Where the photographs were taken. Nothing where nobody asks, or where the calibration is not
 // there: unless mirror directions are more than the default.
 std::vector<Eigen::Vector3d> Eyes(const std::filesystem::path& calib_folder,
@@ -128,7 +121,7 @@ int main(int argc, char** argv) {
     }
     lfm::RequireWritableFolder(work / "encode");
     const lfm::LightField light_field = lfm::LightField::Open(work / "resample" / "light_field.lfs",
-                                                              ResidentBytes(options.memory_mib));
+                                                              lfm::ResidentFileBytes(options));
     const lfm::LightFieldSource source = lfm::SourceFromLightField(
         light_field, Eyes(work / "calib", light_field, options, given("fill"), progress));
     const lfm::EncodeResult result = lfm::Encode(source, options, progress);

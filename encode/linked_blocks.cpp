@@ -60,6 +60,11 @@ class LinkedBlocks {
         links_(links),
         numbers_(pages),
         quality_(quality) {
+    for (size_t p = 0; p < pages.size(); ++p) {
+      if (given_[p].texels.empty()) {
+        given_[p].texels.assign(size_t{1} * pages[p].width() * pages[p].height(), 1.f);
+      }
+    }
     boosted_ = given_;
     links_of_.resize(numbers_.count());
     for (size_t i = 0; i < links.size(); ++i) {

@@ -35,8 +35,9 @@ PatchLink InPages(const EdgeLink& link, const std::vector<PatchPlacement>& place
 /// small, x being the texels as given, d as decoded, w the weights (a link has that of its use).
 /// First every block by itself, the neighbour as given; then blocks with linked samples one after
 /// another beside what their neighbours have become, a few times round; a block is replaced only
-/// where that lowers its own part of the sum. Blocks of independent palettes cannot agree
-/// exactly. edge_weight 0: EncodePage. Does not depend on the number of threads.
+/// where that lowers its own part of the sum (its texels and the links from them). Blocks of
+/// independent palettes cannot agree exactly. edge_weight 0: EncodePage. Does not depend on the
+/// number of threads.
 std::vector<BlockPage> EncodeLinkedPages(const std::vector<Image>& pages, BlockFormat format,
                                          std::vector<PageWeights> weights,
                                          std::span<const PatchLink> links, double edge_weight,

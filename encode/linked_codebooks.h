@@ -24,8 +24,9 @@ struct LinkedCodebookOptions {
 /// small, x being a triangle's map, y its code. First with edges counting more; then, a few times,
 /// maps are drawn to what their neighbours' codes show on the edges, and codes and choices follow
 /// (generalised Lloyd from where they are). Of these the best is returned. Values of codes are in
-/// the groups' units; their distortion is that of the last iteration, edges included. edge_weight
-/// 0: QuantizeVectors, group by group.
+/// the groups' units (a sample on an edge that nobody shares counts as if its neighbour agreed);
+/// their distortion is that of the last iteration, edges included. edge_weight 0: QuantizeVectors,
+/// group by group.
 std::vector<Codebook> QuantizeLinkedGroups(const TriangleMesh& mesh, PatchChannels channels,
                                            std::span<const MapGroup> groups,
                                            std::span<const int> codes,

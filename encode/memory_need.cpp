@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/memory_need.h"
 
+#include <algorithm>
 #include <string>
 
 #include "core/process_memory.h"
 
 namespace lfm {
+namespace {
+
+constexpr int64_t kMib = 1 << 20, kMostFileBytes = 1024 * kMib, kFileShare = 8;
+
+}  // namespace
+
+int64_t ResidentFileBytes(const EncodeOptions& options) {
+  if (options.memory_mib == 0) return kMostFileBytes;  // the system takes pages back
+  return std::min(kMostFileBytes, options.memory_mib * kMib / kFileShare);
+}
 
 int MostTerms(const EncodeOptions& options) {
   constexpr int kNonnegative = 3;  // they do not add up one by one: no choice a vertex
@@ -29,9 +40,13 @@ int64_t EncodeBytes(const LightFieldSource& source, std::span<const int> edge_sa
 
 void RequireMemory(const LightFieldSource& source, std::span<const int> edge_samples,
                    const EncodeOptions& options) {
-  const int64_t bytes = EncodeBytes(source, edge_samples, options);
+  int64_t bytes = EncodeBytes(source, edge_samples, options);
+  // With the file the limit has to be 8/7 of all else.
+  if (options.memory_mib > 0) {
+    bytes += std::min(kMostFileBytes, (ResidentMemoryBytes() + bytes) / (kFileShare - 1));
+  }
   MemoryLimit(options.memory_mib, "--encode-memory-mib")
-      .Require(options.memory_mib > 0 ? bytes / (kFileShare - 1) * kFileShare : bytes,
+      .Require(bytes,
                "encoding " + std::to_string(edge_samples.size()) + " triangles of " +
                    std::to_string(source.grid) + " x " + std::to_string(source.grid) +
                    " directions with up to " + std::to_string(MostTerms(options)) + " terms",

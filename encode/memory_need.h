@@ -9,9 +9,6 @@
 
 namespace lfm {
 
-/// Pages of the light field's file may take one part in so many of the memory allowed.
-constexpr int kFileShare = 8;
-
 /// The most terms that a vertex may get.
 int MostTerms(const EncodeOptions& options);
 
@@ -20,7 +17,12 @@ int MostTerms(const EncodeOptions& options);
 int64_t EncodeBytes(const LightFieldSource& source, std::span<const int> edge_samples,
                     const EncodeOptions& options);
 
-/// Throws Error when that is more than options.memory_mib leaves: before anything is factorised.
+/// How much of the light field's file may be resident (LightField::Open) under
+/// options.memory_mib: an eighth of it, 1 GiB at most.
+int64_t ResidentFileBytes(const EncodeOptions& options);
+
+/// Throws Error when EncodeBytes and that part of the file are more than options.memory_mib leaves:
+/// before anything is factorised.
 void RequireMemory(const LightFieldSource& source, std::span<const int> edge_samples,
                    const EncodeOptions& options);
 

@@ -20,7 +20,7 @@ struct SeparateSpacing {
 /// views and surface maps of each term lie by themselves (`surface_placements`, `view_codes`).
 /// `edge_samples(t, 0)` are those of triangle t's mean view, `edge_samples(t, k + 1)` those of its
 /// surface maps of term k, asked for triangles that have the term. `model` may be without pages of
-/// patches; it has at least one term.
+/// patches.
 LightFieldModel LayOutSeparately(const LightFieldModel& model,
                                  const std::function<int(int triangle, int layer)>& edge_samples,
                                  int max_texture_size, const SeparateSpacing& spacing = {});

@@ -13,6 +13,7 @@
 #include "core/output_folder.h"
 #include "core/ply.h"
 #include "encode/encode_files.h"
+#include "encode/memory_need.h"
 #include "mesh/mesh_files.h"
 #include "pipeline/evaluation.h"
 #include "pipeline/report.h"
@@ -65,6 +66,13 @@ struct Run {
 template <typename Options>
 json ToJson(Options options) {
   return OptionsToJson(AnyOptions(options));
+}
+
+// What decides about no result is no reason to do a stage again.
+json WithoutMemory(json options) {
+  options.erase("memory-mib");
+  options.erase("encode-memory-mib");
+  return options;
 }
 
 template <typename... Lists>
@@ -245,7 +253,7 @@ StageJob MeshJob(const Run& run) {
 }
 
 StageJob ResampleJob(const Run& run) {
-  return {"resample", ToJson(run.options.resample),
+  return {"resample", WithoutMemory(ToJson(run.options.resample)),
           Join(run.ManifestFiles(), run.PhotoFiles(),
                std::vector<fs::path>{run.workspace.Stage("calib") / "cameras.json",
                                      run.workspace.Stage("calib") / "poses.json",
@@ -272,10 +280,11 @@ StageJob ResampleJob(const Run& run) {
 
 StageJob EncodeJob(const Run& run) {
   return {"encode",
-          ToJson(run.options.encode),
+          WithoutMemory(ToJson(run.options.encode)),
           {run.workspace.LightFieldFile(), run.workspace.Stage("calib") / "poses.json"},
           [&run](const fs::path& folder) -> json {
-            const LightField light_field = LightField::Open(run.workspace.LightFieldFile());
+            const LightField light_field = LightField::Open(run.workspace.LightFieldFile(),
+                                                            ResidentFileBytes(run.options.encode));
             const CalibResult calib = LoadCalib(run.workspace.Stage("calib"));
             const EncodeResult result = Encode(
                 SourceFromLightField(

@@ -60,6 +60,7 @@ LightField LightField::Open(const std::filesystem::path& file, int64_t most_resi
       ParseLightField(state->mapping.bytes(), file.string(), [&](std::span<const std::byte> part) {
         if (is_large) state->mapping.Release(part);
       });
+  state->mapping.Release();  // what was read to be checked comes back as triangles are read
   return LightField(std::move(state));
 }
 

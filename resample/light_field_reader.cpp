@@ -68,7 +68,8 @@ lfs::FileHeader ReadHeader(Bytes bytes, const std::string& name) {
   if (header.checksum != Checksum(&header, offsetof(lfs::FileHeader, checksum))) {
     Fail(name, "light field header is damaged");
   }
-  if (header.file_bytes != bytes.size()) Fail(name, "light field file is truncated");
+  if (header.file_bytes > bytes.size()) Fail(name, "light field file is truncated");
+  if (header.file_bytes < bytes.size()) Fail(name, "light field file is longer than it says");
   if (header.grid < 2 || header.grid > 256 || header.direction_map > 2) {
     Fail(name, "light field header is out of range");
   }

@@ -96,7 +96,7 @@ void UsePhotoGains(const ResampleScene& scene, SeenPhotos& seen, ResampleResult&
   result.gain_error_with = gains.error_with;
   if (use == PhotoGainUse::kAuto && !gains.Needed()) return;
   for (size_t p = 0; p < seen.photos.size(); ++p) {
-    seen.photos[p].pixels.levels = LevelsWithGain(gains.gains[p]);
+    seen.photos[p].levels = LevelsWithGain(gains.gains[p]);
   }
   result.photo_gains = std::move(gains.gains);
 }

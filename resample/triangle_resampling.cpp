@@ -55,7 +55,7 @@ Views SampleViews(const ResampleScene& scene, const TriangleViews& candidates,
   for (size_t i = 0; i < candidates.photos.size(); ++i) {
     const uint16_t p = candidates.photos[i];
     const UsedPhoto& photo = scene.photos[p];
-    const PhotoPixels& pixels = scene.seen[p].pixels;
+    const PhotoPixels& pixels = scene.seen[p];
     SampledView sampled =
         scene.options.sampling == Sampling::kEwa
             ? SampleViewByArea(pixels, photo.camera, photo.camera_from_world, points, edge_samples)
@@ -176,7 +176,7 @@ int64_t ResampleTriangleBytes(const ResampleScene& scene, const TriangleViews& v
   const auto entries = static_cast<int64_t>(scene.grid_in_plane.size());
   int64_t bytes = kRest + kBytesAnEntry * entries;
   for (const uint16_t p : views.photos) {
-    bytes += kBytesAValue * 3 * samples + BytesRead(scene.seen[p].pixels, views.largest_px);
+    bytes += kBytesAValue * 3 * samples + BytesRead(scene.seen[p], views.largest_px);
   }
   return bytes;
 }

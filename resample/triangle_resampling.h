@@ -17,7 +17,7 @@ struct ResampleScene {
   const RayScene& surface;
   const std::vector<Eigen::Matrix3d>& vertex_frames;
   const std::vector<UsedPhoto>& photos;
-  const std::vector<SeenPhoto>& seen;                 ///< as `photos`
+  const std::vector<PhotoPixels>& seen;               ///< as `photos`
   const std::vector<Eigen::Vector2d>& grid_in_plane;  ///< GridInPlane of the options
   const ResampleOptions& options;
   double max_shift_mm = 0;  ///< for SampleOn::kSurface

@@ -43,8 +43,8 @@ TriangleShades ShadesOf(const ResampleScene& scene, int triangle, const Triangle
     if (views.hidden_beyond_mm[i] > 0) continue;  // parts of it show something else
     const uint16_t p = views.photos[i];
     const UsedPhoto& photo = scene.photos[p];
-    const auto radiance = MeanRadiance(
-        SampleView(scene.seen[p].pixels, photo.camera, photo.camera_from_world, points));
+    const auto radiance =
+        MeanRadiance(SampleView(scene.seen[p], photo.camera, photo.camera_from_world, points));
     if (!radiance) continue;
     const Eigen::Vector3d to_eye = (photo.camera_from_world.Center() - centroid).normalized();
     shades.photos.push_back(p);

@@ -23,7 +23,6 @@ struct TriangleViews {
 class VisibleLists {
  public:
   VisibleLists(const std::filesystem::path& folder, size_t photo_count)
-
       : file_(std::make_unique<ScratchFile>(folder)), lists_(photo_count) {}
 
   /// The triangles of one photograph, ascending. From any thread, once a photograph.
@@ -39,8 +38,7 @@ class VisibleLists {
 };
 
 /// Goes through the triangles of a mesh once, in their order. Holds a part of each photograph's
-/// list, 32 MiB in all (more beyond 20 000 photographs: 1.5 kB each). `lists` must outlive
-/// it.
+/// list, 32 MiB in all (more beyond 20 000 photographs: 1.5 kB each). `lists` must outlive it.
 class TriangleViewsReader {
  public:
   explicit TriangleViewsReader(const VisibleLists& lists);

@@ -66,8 +66,8 @@ void ForbidWhatIsNoNumber(const Image& picture, std::vector<PixelUse>& usable) {
   }
 }
 
-SeenPhoto LookAtPhoto(const UsedPhoto& photo, const PhotoLook& look, const CameraRays& rays,
-                      const ImageLoader& load_image, size_t index, VisibleLists& lists) {
+PhotoPixels LookAtPhoto(const UsedPhoto& photo, const PhotoLook& look, const CameraRays& rays,
+                        const ImageLoader& load_image, size_t index, VisibleLists& lists) {
   const Image picture = load_image(photo.file);
   PhotoSight sight{photo.camera, photo.camera_from_world, {}, {}};
   const auto known = rays.find(photo.camera_name);
@@ -83,7 +83,7 @@ SeenPhoto LookAtPhoto(const UsedPhoto& photo, const PhotoLook& look, const Camer
   lists.Put(index, FindVisibleTriangles(look.mesh, look.deviations_mm, sight,
                                         {look.options.max_grazing_deg, look.options.min_data_share,
                                          look.options.max_hidden_share}));
-  return {MakePhotoPixels(picture, sight.usable, photo.camera, photo.file)};
+  return MakePhotoPixels(picture, sight.usable, photo.camera, photo.file);
 }
 
 /// How what is left of the memory is used.
@@ -155,17 +155,18 @@ SeenPhotos LookAtPhotos(const std::vector<UsedPhoto>& photos, const PhotoLook& l
   progress.Start("looking at photographs", static_cast<int64_t>(photos.size()));
   const MemoryPlan plan = PlanMemory(photos, look.mesh, memory);
   const CameraRays rays = RaysOfCameras(photos, plan.rays_bytes);
-  SeenPhotos seen{std::vector<SeenPhoto>(photos.size()), {look.scratch_folder, photos.size()}, {}};
+  SeenPhotos seen{
+      std::vector<PhotoPixels>(photos.size()), {look.scratch_folder, photos.size()}, {}};
   std::optional<ScratchFile> pixels;
   if (!plan.holds_pixels) pixels.emplace(look.scratch_folder);
   std::vector<uint64_t> offsets(photos.size());
   const auto look_at = [&](int64_t i) {
     const auto p = static_cast<size_t>(i);
-    SeenPhoto& photo = seen.photos[p];
+    PhotoPixels& photo = seen.photos[p];
     photo = LookAtPhoto(photos[p], look, rays, load_image, p, seen.lists);
     if (pixels) {
-      offsets[p] = pixels->Append(photo.pixels.rgbu.data(), photo.pixels.rgbu.size());
-      photo.pixels.rgbu = {};
+      offsets[p] = pixels->Append(photo.rgbu.data(), photo.rgbu.size());
+      photo.rgbu = {};
     }
     progress.Advance();
   };
@@ -176,7 +177,7 @@ SeenPhotos LookAtPhotos(const std::vector<UsedPhoto>& photos, const PhotoLook& l
   if (!pixels) return seen;
   seen.file = pixels->Map();
   for (size_t p = 0; p < photos.size(); ++p) {
-    seen.photos[p].pixels.in_file =
+    seen.photos[p].in_file =
         reinterpret_cast<const uint8_t*>(seen.file.bytes().data()) + offsets[p];
   }
   return seen;

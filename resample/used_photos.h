@@ -32,14 +32,9 @@ struct UsedPhoto {
 /// pose that is not finite.
 std::vector<UsedPhoto> FindUsedPhotos(const Capture& capture, const CalibResult& calib);
 
-/// A photograph read and looked at.
-struct SeenPhoto {
-  PhotoPixels pixels;
-};
-
-/// Photographs, and what each shows.
+/// Photographs read, and what each shows.
 struct SeenPhotos {
-  std::vector<SeenPhoto> photos;
+  std::vector<PhotoPixels> photos;
   VisibleLists lists;
   MappedFile file;  ///< the photographs' pixels, where memory does not hold them
 };

@@ -44,11 +44,32 @@ TEST(MemoryNeed, IsRefusedBeforeAnythingIsFactorised) {
     FAIL() << "was not refused";
   } catch (const Error& error) {
     const std::string text = error.what();
-    EXPECT_EQ(text.find("--encode-memory-mib 1: encoding 32 triangles of 8 x 8 directions"), 0U) << text;
+    EXPECT_EQ(text.find("--encode-memory-mib 1: encoding 32 triangles of 8 x 8 directions"), 0U)
+        << text;
     EXPECT_NE(text.find("--max-terms"), std::string::npos) << text;
     EXPECT_NE(text.find("--triangle-count"), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
   }
+}
+
+TEST(MemoryNeed, WhatIsNamedIsEnough) {
+  const SyntheticLightField field = MakeLightField(
+      MakeSphere(1), 8, 20, [](int) { return 4; }, GlossyAppearance);
+  const std::vector<int> edge_samples(field.triangles.size(), 4);
+  EncodeOptions options;
+  options.memory_mib = 1;
+  try {
+    RequireMemory(field.Source(), edge_samples, options);
+    FAIL() << "was not refused";
+  } catch (const Error& error) {
+    const std::string text = error.what(), before = "takes some ";
+    options.memory_mib = std::stoi(text.substr(text.find(before) + before.size()));
+  }
+  constexpr int kOfThisTest_mib = 2;  // what it has come to hold meanwhile
+  options.memory_mib += kOfThisTest_mib;
+  EXPECT_NO_THROW(RequireMemory(field.Source(), edge_samples, options));
+  options.memory_mib = options.memory_mib * 9 / 10;
+  EXPECT_THROW(RequireMemory(field.Source(), edge_samples, options), Error);
 }
 
 // Two million triangles of the default 16 x 16 directions: nobody has the memory, and all are told.
