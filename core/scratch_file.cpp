@@ -13,17 +13,17 @@
 
 namespace lfm {
 
-ScratchFile::ScratchFile(const std::filesystem::path& folder)
-    : folder_(folder.empty() ? std::filesystem::path(".") : folder) {
+ScratchFile::ScratchFile(const std::filesystem::path& result) : result_(result) {
+  const std::filesystem::path folder = result.has_parent_path() ? result.parent_path() : ".";
   std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) FailWriting(folder_, error.value());
-  descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  std::filesystem::create_directories(folder, error);
+  if (error) FailWriting(result_, error.value());
+  descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor_ >= 0) return;
   // Not every file system knows files without a name.
-  std::string name = (folder_ / ".scratch_XXXXXX").string();
+  std::string name = (folder / ".scratch_XXXXXX").string();
   descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor_ < 0) FailWriting(folder_, errno);
+  if (descriptor_ < 0) FailWriting(result_, errno);
   ::unlink(name.c_str());
 }
 
@@ -40,7 +40,7 @@ uint64_t ScratchFile::Append(const void* data, size_t size) {
   for (uint64_t at = begin; at < begin + size;) {
     const ssize_t written = ::pwrite(descriptor_, rest, begin + size - at, static_cast<off_t>(at));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) FailWriting(folder_, errno);
+    if (written < 0) FailWriting(result_, errno);
     rest += written;
     at += static_cast<uint64_t>(written);
   }
@@ -53,7 +53,7 @@ void ScratchFile::Read(uint64_t offset, void* data, size_t size) const {
     const ssize_t got = ::pread(descriptor_, rest, offset + size - at, static_cast<off_t>(at));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) {
-      throw Error(folder_.string() + ": what was put aside there cannot be read back",
+      throw Error(result_.string() + ": what was put aside beside it cannot be read back",
                   ErrorKind::kSystem);
     }
     rest += got;
@@ -61,6 +61,6 @@ void ScratchFile::Read(uint64_t offset, void* data, size_t size) const {
   }
 }
 
-MappedFile ScratchFile::Map() const { return {descriptor_, folder_.string()}; }
+MappedFile ScratchFile::Map() const { return {descriptor_, result_.string()}; }
 
 }  // namespace lfm

@@ -14,10 +14,11 @@ namespace lfm {
 /// without a name, gone with this object (and any mapping of it) however the process ends (of a
 /// file system without such files: unless it is killed between making it and taking its name away).
 ///
-/// Throws Error (kSystem) naming the folder when it is not writable or its disk is full.
+/// Throws Error (kSystem) naming the result when its folder is not writable or its disk is full.
 class ScratchFile {
  public:
-  explicit ScratchFile(const std::filesystem::path& folder);
+  /// Lies in the folder of `result`, the file that the work is to make.
+  explicit ScratchFile(const std::filesystem::path& result);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
@@ -30,7 +31,7 @@ class ScratchFile {
   MappedFile Map() const;
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path result_;
   int descriptor_ = -1;
   std::mutex mutex_;
   uint64_t end_ = 0;

@@ -138,9 +138,9 @@ ResampleResult Resample(const Capture& capture, const CalibResult& calib,
 
   const RayScene surface_scene(surface);
   const std::vector<double> deviations_mm = TriangleDeviations(mesh, surface_scene);
-  SeenPhotos seen = LookAtPhotos(
-      photos, {surface, surface_scene, mesh, deviations_mm, options, lfs_file.parent_path()},
-      load_image, memory, progress);
+  SeenPhotos seen =
+      LookAtPhotos(photos, {surface, surface_scene, mesh, deviations_mm, options, lfs_file},
+                   load_image, memory, progress);
   const std::vector<Eigen::Vector2d> grid_in_plane =
       GridInPlane(options.direction_map, options.view_grid);
   const ResampleScene scene{header.mesh,

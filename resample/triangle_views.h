@@ -22,8 +22,8 @@ struct TriangleViews {
 /// are looked at one after the other, triangles resampled one after the other.
 class VisibleLists {
  public:
-  VisibleLists(const std::filesystem::path& folder, size_t photo_count)
-      : file_(std::make_unique<ScratchFile>(folder)), lists_(photo_count) {}
+  VisibleLists(const std::filesystem::path& result, size_t photo_count)
+      : file_(std::make_unique<ScratchFile>(result)), lists_(photo_count) {}
 
   /// The triangles of one photograph, ascending. From any thread, once a photograph.
   void Put(size_t photo, const std::vector<VisibleTriangle>& triangles);

@@ -155,10 +155,9 @@ SeenPhotos LookAtPhotos(const std::vector<UsedPhoto>& photos, const PhotoLook& l
   progress.Start("looking at photographs", static_cast<int64_t>(photos.size()));
   const MemoryPlan plan = PlanMemory(photos, look.mesh, memory);
   const CameraRays rays = RaysOfCameras(photos, plan.rays_bytes);
-  SeenPhotos seen{
-      std::vector<PhotoPixels>(photos.size()), {look.scratch_folder, photos.size()}, {}};
+  SeenPhotos seen{std::vector<PhotoPixels>(photos.size()), {look.result, photos.size()}, {}};
   std::optional<ScratchFile> pixels;
-  if (!plan.holds_pixels) pixels.emplace(look.scratch_folder);
+  if (!plan.holds_pixels) pixels.emplace(look.result);
   std::vector<uint64_t> offsets(photos.size());
   const auto look_at = [&](int64_t i) {
     const auto p = static_cast<size_t>(i);

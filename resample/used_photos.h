@@ -46,7 +46,8 @@ struct PhotoLook {
   const TriangleMesh& mesh;
   const std::vector<double>& deviations_mm;  ///< TriangleDeviations
   const ResampleOptions& options;
-  std::filesystem::path scratch_folder;  ///< for what memory does not hold
+  std::filesystem::path
+      result;  ///< the file that is made; what memory does not hold lies beside it
 };
 
 /// Reads every photograph (and mask) once and finds what it shows, in parallel: as many at a time

@@ -18,7 +18,7 @@ namespace {
 TEST(ScratchFile, KeepsWhatManyThreadsAppend) {
   const ScratchFolder scratch;
   constexpr int kPieces = 200, kPieceLength = 1000;
-  ScratchFile file(scratch.folder);
+  ScratchFile file(scratch.folder / "result");
   std::vector<uint64_t> offsets(kPieces);
   ParallelFor(0, kPieces, [&](int64_t i) {
     const std::vector<int> piece(kPieceLength, static_cast<int>(i));
@@ -35,10 +35,10 @@ TEST(ScratchFile, KeepsWhatManyThreadsAppend) {
   EXPECT_THROW(file.Read(mapped.bytes().size() - 1, offsets.data(), 2), Error);
 }
 
-TEST(ScratchFile, LeavesNothingBehindAndNamesTheFolder) {
+TEST(ScratchFile, LeavesNothingBehindAndNamesTheResult) {
   const ScratchFolder scratch;
   {
-    ScratchFile file(scratch.folder);
+    ScratchFile file(scratch.folder / "result");
     file.Append("some", 4);
     EXPECT_TRUE(std::filesystem::is_empty(scratch.folder));
   }
@@ -54,7 +54,7 @@ TEST(ScratchFile, LeavesNothingBehindAndNamesTheFolder) {
 TEST(ScratchFile, ReleasedPagesComeBack) {
   const ScratchFolder scratch;
   constexpr size_t kBytes = size_t{64} << 20;
-  ScratchFile file(scratch.folder);
+  ScratchFile file(scratch.folder / "result");
   const std::vector<char> ones(kBytes, 1);
   file.Append(ones.data(), ones.size());
   const MappedFile mapped = file.Map();
