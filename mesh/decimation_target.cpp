@@ -29,13 +29,50 @@ double Extent(const TriangleMesh& mesh) {
   return (high - low).maxCoeff();
 }
 
+// Where a surface crosses itself, as one that is put together from parts does at their joints.
+class Crossings {
+ public:
+  explicit Crossings(const TriangleMesh& surface) {
+    TriangleMesh crossing;
+    crossing.vertices = surface.vertices;
+    for (const auto& [a, b] : FindSelfIntersections(surface)) {
+      ++pairs_;
+      crossing.triangles.push_back(surface.triangles[a]);
+      crossing.triangles.push_back(surface.triangles[b]);
+    }
+    if (pairs_ > 0) triangles_.emplace(crossing);
+  }
+  int pairs() const { return pairs_; }
+
+  /// Whether a triangle of a mesh of that surface lies within its own size of a crossing.
+  bool Reach(const TriangleMesh& mesh, int triangle) const {
+    if (!triangles_) return false;
+    const Eigen::Vector3i& t = mesh.triangles[triangle];
+    const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                          &c = mesh.vertices[t[2]];
+    const auto closest = triangles_->Closest((a + b + c) / 3);
+    return closest &&
+           closest->distance <= std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
+  }
+
+ private:
+  int pairs_ = 0;
+  std::optional<RayScene> triangles_;
+};
+
 // What the search needs again and again about the dense surface.
 struct DenseSurface {
   explicit DenseSurface(const TriangleMesh& surface)
       : mesh(surface), scene(surface), samples(SampleSurface(surface, kDeviationSamples, 1)) {}
+  /// Looked for when first asked.
+  const Crossings& OwnCrossings() const {
+    if (!crossings) crossings.emplace(mesh);
+    return *crossings;
+  }
   const TriangleMesh& mesh;
   RayScene scene;
   SurfaceSamples samples;
+  mutable std::optional<Crossings> crossings;
 };
 
 SurfaceDeviation Deviation(const TriangleMesh& mesh, const DenseSurface& dense) {
@@ -56,7 +93,11 @@ DecimatedMesh Finish(const Decimation& decimation, const DenseSurface& dense) {
   const int64_t samples = std::max<int64_t>(20 * decimation.triangles(), 2000);
   result.mesh =
       ImproveTriangles(decimation.Mesh(), dense.scene, SampleSurface(dense.mesh, samples, 3));
-  Untangled untangled = RemoveSelfIntersections(result.mesh);
+  // What the surface does itself is not ours to part: its parts would shrink away from each other.
+  Untangled untangled = RemoveSelfIntersections(result.mesh, [&](int a, int b) {
+    const Crossings& own = dense.OwnCrossings();
+    return own.Reach(result.mesh, a) && own.Reach(result.mesh, b);
+  });
   result.mesh = std::move(untangled.mesh);
   result.self_intersections = untangled.left;
   result.deviation = Deviation(result.mesh, dense);
@@ -68,7 +109,7 @@ DecimatedMesh Undecimated(const DenseSurface& dense) {
   DecimatedMesh result;
   result.mesh.vertices = dense.mesh.vertices;
   result.mesh.triangles = dense.mesh.triangles;
-  result.self_intersections = static_cast<int>(FindSelfIntersections(result.mesh).size());
+  result.self_intersections = dense.OwnCrossings().pairs();
   result.deviation = Deviation(result.mesh, dense);
   return result;
 }
@@ -91,7 +132,6 @@ DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, 
   Decimation finer = undone;
   finer.ReduceTo(16 * search.Next());
   std::optional<DecimatedMesh> best;
-  std::optional<int> crossings;  // of the surface itself
   for (int attempt = 1; !search.Done(); ++attempt) {
     Decimation decimation = search.Next() <= finer.triangles() ? finer : undone;
     decimation.ReduceTo(search.Next());
@@ -99,8 +139,7 @@ DecimatedMesh FindCoarsest(const DenseSurface& dense, const Decimation& undone, 
     if (attempt < kUsualAttempts) progress.Advance();
     CountJudgement judgement = judge(tried);
     if (judgement.near_enough && tried.self_intersections > 0) {
-      if (!crossings) crossings = static_cast<int>(FindSelfIntersections(dense.mesh).size());
-      judgement.near_enough = tried.self_intersections <= *crossings;
+      judgement.near_enough = tried.self_intersections <= dense.OwnCrossings().pairs();
     }
     search.Learn(judgement);
     if (!judgement.near_enough) continue;

@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "mesh/error_bound.h"
 #include "mesh/self_intersection.h"
+#include "tests/core/mesh_zoo.h"
 #include "tests/mesh/test_shapes.h"
 
 namespace lfm {
@@ -191,6 +192,24 @@ TEST(GivenMesh, FineOneIsDecimated) {
   options.samples_per_triangle = 10;
   EXPECT_EQ(PrepareGivenMesh(given, GivenCalib(), options, SilentProgress()).mesh.triangles.size(),
             given.triangles.size());
+}
+
+TEST(GivenMesh, PartsThatCrossKeepTheirShape) {
+  // A head that sits halfway in a body: parting the two would shrink it away.
+  const Eigen::Vector3d head_center = kCenter + Eigen::Vector3d(30, 0, 0);
+  const TriangleMesh given =
+      Join(test::MakeSphere(30, 5, kCenter), test::MakeSphere(9, 4, head_center));
+  MeshOptions options;
+  options.triangle_count = 900;
+  const MeshResult result = PrepareGivenMesh(given, GivenCalib(), options, SilentProgress());
+  EXPECT_GT(result.surface_self_intersections, 0);
+  EXPECT_LE(result.mesh.triangles.size(), 900u);
+  EXPECT_LT(result.deviation_max_mm, 1);
+  double farthest = 0;
+  for (const Eigen::Vector3d& v : result.mesh.vertices) {
+    farthest = std::max(farthest, v.x() - kCenter.x());
+  }
+  EXPECT_NEAR(farthest, 39, 0.7);
 }
 
 TEST(GivenMesh, OpenIsAllowedInsideOutIsTurned) {
