@@ -18,6 +18,7 @@
 #include "mesh/cleaning.h"
 #include "mesh/decimation_target.h"
 #include "mesh/normal_estimation.h"
+#include "mesh/part_union.h"
 #include "mesh/patch_samples.h"
 #include "mesh/photo_detail.h"
 #include "mesh/pixel_footprint.h"
@@ -240,6 +241,26 @@ MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sig
   return result;
 }
 
+namespace {
+
+// A surface whose parts cross is given an outer surface, if it has one: no triangle of what is
+// decimated is spent on what lies inside.
+void UniteCrossingParts(const RayScene& given_scene, MeshResult& result, Progress& progress) {
+  std::optional<TriangleMesh> united = UniteParts(result.surface);
+  if (!united) return;
+  united->confidence = TransferConfidence(*united, result.surface, given_scene);
+  united->normals = ComputeVertexNormals(*united);
+  const std::string what = std::to_string(ExamineTopology(result.surface).components) +
+                           " parts that cross each other became one outer surface";
+  progress.Note("given mesh: " + what);
+  result.reasons.push_back(what);
+  result.surface = std::move(*united);
+  result.surface_self_intersections =
+      static_cast<int>(FindSelfIntersections(result.surface).size());
+}
+
+}  // namespace
+
 MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
                             const MeshOptions& options, Progress& progress,
                             const ImageLoader& load_image) {
@@ -260,7 +281,7 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
   }
   result.surface_self_intersections =
       static_cast<int>(FindSelfIntersections(result.surface).size());
-  const RayScene scene(result.surface);
+  RayScene scene(result.surface);
   result.pixel_mm = MedianPixelFootprint(result.surface, scene, calib);
 
   const double count = static_cast<double>(given.triangles.size());
@@ -274,6 +295,10 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
     result.mesh_self_intersections = result.surface_self_intersections;
     result.samples_per_triangle = PredictSamplesPerTriangle(result.mesh, scene, calib);
     return result;
+  }
+  if (result.surface_self_intersections > 0) {
+    UniteCrossingParts(scene, result, progress);
+    scene = RayScene(result.surface);
   }
   const DecimationSource source =
       PriceSurface(result.surface, scene, calib, options, load_image, progress);

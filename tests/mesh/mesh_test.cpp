@@ -202,7 +202,11 @@ TEST(GivenMesh, PartsThatCrossKeepTheirShape) {
   MeshOptions options;
   options.triangle_count = 900;
   const MeshResult result = PrepareGivenMesh(given, GivenCalib(), options, SilentProgress());
-  EXPECT_GT(result.surface_self_intersections, 0);
+  EXPECT_TRUE(test::IsClosedManifold(result.surface));
+  EXPECT_EQ(ExamineTopology(result.mesh).components, 1);
+  EXPECT_EQ(result.surface_self_intersections, 0);
+  EXPECT_EQ(result.mesh_self_intersections, 0);
+  ASSERT_EQ(result.reasons.size(), 1u);
   EXPECT_LE(result.mesh.triangles.size(), 900u);
   EXPECT_LT(result.deviation_max_mm, 1);
   double farthest = 0;
