@@ -3,16 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "encode/decoded_term.h"
 #include "encode/nmf.h"
 #include "encode/paper_factorization.h"
+#include "encode/product_kernels.h"
 
 namespace lfm {
 namespace {
 
-constexpr int kRefitRounds = 40;
+constexpr int kRefitRounds = 40, kAfterRoundingRounds = 8;
+constexpr double kKeepApart = 1e-6;  // terms that have become alike
 constexpr int kPaperIterations = 500;
 constexpr double kPaperTolerance = 1e-4;
 
@@ -52,9 +56,17 @@ std::vector<float> Column(const std::vector<float>& matrix, int rows, int width,
   return values;
 }
 
-// Quantises the surface map of term k; false where it has no light.
-bool QuantizeTermSurface(const VertexOperator& f, const SharedSamples& shared, std::vector<float> u,
-                         const std::vector<float>& v, TermMaps& maps, DecodedTerm& decoded) {
+// One term on its way into codes.
+struct QuantizedTerm {
+  TermMaps maps;
+  DecodedTerm decoded;
+  std::vector<float> view;  ///< as it fits the decoded surface map
+};
+
+// The surface map in codes; none where it has no light. `u` becomes what the codes mean.
+std::optional<QuantizedTerm> QuantizeTermSurface(const VertexOperator& f,
+                                                 const SharedSamples& shared, std::vector<float>& u,
+                                                 const std::vector<float>& v) {
   ContinueIntoUnseen(f, shared, u);
   std::vector<PatchValues> patches;
   for (const RingBlock& block : f.blocks) {
@@ -64,32 +76,99 @@ bool QuantizeTermSurface(const VertexOperator& f, const SharedSamples& shared, s
   for (float& value : u) value = std::max(value, 0.f);
   const Extent extent = SurfaceExtent(EdgeSamples(f), u);
   const float max_v = *std::max_element(v.begin(), v.end());
-  if (!(extent.max_abs() > 0) || !(max_v > 0)) return false;
+  if (!(extent.max_abs() > 0) || !(max_v > 0)) return std::nullopt;
   const AlphaSplit split = SplitAlpha(extent.max_abs(), max_v);
-  QuantizeSurface(EdgeSamples(f), shared, u, extent, split.surface, maps);
-  DecodeSurface(f, maps, decoded);
-  return DotProduct(decoded.surface, decoded.surface) > 0;
+  QuantizedTerm term;
+  QuantizeSurface(EdgeSamples(f), shared, u, extent, split.surface, term.maps);
+  DecodeSurface(f, term.maps, term.decoded);
+  if (!(DotProduct(term.decoded.surface, term.decoded.surface) > 0)) return std::nullopt;
+  for (size_t row = 0; row < u.size(); ++row) {
+    u[row] = static_cast<float>(term.decoded.surface[row] / split.surface);
+  }
+  for (const float value : v) term.view.push_back(static_cast<float>(value * split.view));
+  return term;
 }
 
-// All view maps, nonnegative and together, to the surface maps as they were quantised.
-void RefitViews(const VertexOperator& f, std::vector<std::vector<float>> start,
-                std::vector<TermMaps>& maps, std::vector<DecodedTerm>& terms) {
-  const auto count = static_cast<int>(terms.size());
-  Eigen::MatrixXd gram(count, count);
-  for (int a = 0; a < count; ++a) {
-    for (int b = 0; b < count; ++b) gram(a, b) = DotProduct(terms[a].surface, terms[b].surface);
-  }
-  std::vector<float> products(static_cast<size_t>(f.cols()) * count), views(products.size());
-  for (int k = 0; k < count; ++k) {
-    for (int col = 0; col < f.cols(); ++col) {
-      products[size_t{1} * col * count + k] = static_cast<float>(terms[k].product[col]);
-      views[size_t{1} * col * count + k] = start[k][col];
+// What rounding `factor` by `rounding` costs, the later factors take back as far as they can:
+// beside partners with these products that is a multiple of `rounding`, the same in every row.
+void TakeBackRounding(const Eigen::MatrixXd& partner_gram, int k,
+                      const std::vector<float>& rounding,
+                      std::vector<std::vector<float>>& factors) {
+  const auto later = static_cast<int>(factors.size()) - k - 1;
+  if (later == 0) return;
+  Eigen::MatrixXd gram = partner_gram.bottomRightCorner(later, later);
+  gram.diagonal() *= 1 + kKeepApart;
+  const Eigen::VectorXd share = gram.ldlt().solve(partner_gram.col(k).tail(later));
+  if (!share.allFinite()) return;
+  for (int l = 0; l < later; ++l) {
+    std::vector<float>& factor = factors[k + 1 + l];
+    for (size_t row = 0; row < factor.size(); ++row) {
+      factor[row] -= static_cast<float>(share[l]) * rounding[row];
     }
   }
-  DescendNonnegative(products, gram, count, kRefitRounds, views);
-  for (int k = 0; k < count; ++k) {
-    QuantizeView(Column(views, f.cols(), count, k), maps[k]);
-    DecodeView(f, maps[k], terms[k]);
+}
+
+Eigen::MatrixXd GramOf(const std::vector<float>& matrix, int rows, int width, int terms) {
+  Eigen::MatrixXd gram(width, width);
+  kernels::Gram(matrix.data(), rows, width, gram.data());
+  return gram.topLeftCorner(terms, terms);
+}
+
+// Surface maps one after the other, strongest term first; each is rounded where those that follow
+// can still make up for it.
+std::vector<QuantizedTerm> QuantizeSurfaces(const VertexOperator& f, const SharedSamples& shared,
+                                            const NmfResult& nmf,
+                                            const std::vector<float>& column_scale) {
+  const Eigen::MatrixXd gram = GramOf(nmf.right, f.cols(), nmf.width, nmf.terms);
+  std::vector<std::vector<float>> surfaces;
+  for (int k = 0; k < nmf.terms; ++k) surfaces.push_back(Column(nmf.left, f.rows, nmf.width, k));
+  std::vector<QuantizedTerm> terms;
+  for (int k = 0; k < nmf.terms; ++k) {
+    std::vector<float> view = Column(nmf.right, f.cols(), nmf.width, k);
+    for (size_t col = 0; col < view.size(); ++col) view[col] /= column_scale[col % f.directions];
+    std::vector<float> rounding = surfaces[k];
+    auto term = QuantizeTermSurface(f, shared, surfaces[k], view);
+    if (!term) continue;
+    for (size_t row = 0; row < rounding.size(); ++row)
+      rounding[row] = surfaces[k][row] - rounding[row];
+    TakeBackRounding(gram, k, rounding, surfaces);
+    terms.push_back(std::move(*term));
+  }
+  return terms;
+}
+
+// All view maps, nonnegative and together, to the surface maps as they were quantised; then in
+// codes one after the other, each time fitting those that are left.
+void RefitViews(const VertexOperator& f, std::vector<QuantizedTerm>& terms) {
+  const auto count = static_cast<int>(terms.size());
+  std::vector<std::vector<float>> remainders;
+  for (const QuantizedTerm& term : terms) {
+    remainders.emplace_back(term.decoded.product.begin(), term.decoded.product.end());
+  }
+  for (int first = 0; first < count; ++first) {
+    const int left = count - first;
+    Eigen::MatrixXd gram(left, left);
+    std::vector<float> products(static_cast<size_t>(f.cols()) * left), views(products.size());
+    for (int a = 0; a < left; ++a) {
+      for (int b = 0; b < left; ++b) {
+        gram(a, b) = DotProduct(terms[first + a].decoded.surface, terms[first + b].decoded.surface);
+      }
+      for (int col = 0; col < f.cols(); ++col) {
+        products[size_t{1} * col * left + a] = remainders[first + a][col];
+        views[size_t{1} * col * left + a] = terms[first + a].view[col];
+      }
+    }
+    DescendNonnegative(products, gram, left, first == 0 ? kRefitRounds : kAfterRoundingRounds,
+                       views);
+    for (int k = 0; k < left; ++k) terms[first + k].view = Column(views, f.cols(), left, k);
+    QuantizeView(terms[first].view, terms[first].maps);
+    DecodeView(f, terms[first].maps, terms[first].decoded);
+    for (int k = 1; k < left; ++k) {
+      for (int col = 0; col < f.cols(); ++col) {
+        remainders[first + k][col] -=
+            static_cast<float>(gram(0, k)) * terms[first].decoded.view[col];
+      }
+    }
   }
 }
 
@@ -106,42 +185,16 @@ VertexTerms FactorizeNonnegative(const VertexOperator& f, const SharedSamples& s
   result.squared_errors = {mean_only_error};
   result.singular_value_share.assign(options.terms, 0.0);
   const NmfResult nmf = Solve(ScaledMap(f, column_scale), options);
-  std::vector<std::vector<float>> views;
-  std::vector<DecodedTerm> decoded;
-  for (int k = 0; k < nmf.terms; ++k) {
-    std::vector<float> view = Column(nmf.right, f.cols(), nmf.width, k);
-    for (size_t col = 0; col < view.size(); ++col) view[col] /= column_scale[col % f.directions];
-    TermMaps maps;
-    DecodedTerm term;
-    if (!QuantizeTermSurface(f, shared, Column(nmf.left, f.rows, nmf.width, k), view, maps, term)) {
-      continue;
-    }
-    // In the units of the quantised surface map, so that descent starts near its end.
-    const double own = DotProduct(term.surface, term.surface);
-    double overlap = 0;
-    for (size_t col = 0; col < view.size(); ++col) overlap += term.product[col] * view[col];
-    double norm = 0;
-    for (const float value : view) norm += static_cast<double>(value) * value;
-    const auto scale = static_cast<float>(std::max(overlap, 0.0) / std::max(own * norm, 1e-30));
-    for (float& value : view) value *= scale;
-    views.push_back(std::move(view));
-    decoded.push_back(std::move(term));
-    result.terms.push_back(std::move(maps));
-  }
-  if (result.terms.empty()) return result;
-  RefitViews(f, std::move(views), result.terms, decoded);
+  std::vector<QuantizedTerm> terms = QuantizeSurfaces(f, shared, nmf, column_scale);
+  RefitViews(f, terms);
+  std::erase_if(terms, [](const QuantizedTerm& term) {
+    return !(DotProduct(term.decoded.view, term.decoded.view) > 0);
+  });
   double error = energy;
   std::vector<DecodedTerm> before;
-  const auto shows_nothing = [&](const DecodedTerm& term) {
-    return !(DotProduct(term.view, term.view) > 0);
-  };
-  for (size_t k = decoded.size(); k-- > 0;) {
-    if (!shows_nothing(decoded[k])) continue;
-    decoded.erase(decoded.begin() + static_cast<std::ptrdiff_t>(k));
-    result.terms.erase(result.terms.begin() + static_cast<std::ptrdiff_t>(k));
-  }
-  for (size_t k = 0; k < decoded.size(); ++k) {
-    before.push_back(std::move(decoded[k]));
+  for (size_t k = 0; k < terms.size(); ++k) {
+    result.terms.push_back(std::move(terms[k].maps));
+    before.push_back(std::move(terms[k].decoded));
     const double change = ErrorChange(before);
     result.singular_value_share[k] = energy > 0 ? -change / energy : 0;
     error = std::max(error + change, 0.0);

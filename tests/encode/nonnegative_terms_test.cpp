@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 
 #include "core/error.h"
@@ -81,6 +82,26 @@ TEST_F(NonnegativeTerms, AreNearlyAsGoodAsPcaAndFarBetterThanTheMeanView) {
   // The mean view is the same texture for viewers that know no more.
   const Eigen::Vector3f color = EvaluateModel(nmf.model, 3, {0.2, 0.3, 0.5}, {0, 0, 1}, {0});
   EXPECT_LE((color - EvaluateModel(pca.model, 3, {0.2, 0.3, 0.5}, {0, 0, 1}, {0})).norm(), 1e-6);
+}
+
+// Bright and nearly dull: what rounding costs is all that is left.
+Eigen::Vector3d NearlyDull(const Eigen::Vector3d& p, const Eigen::Vector3d& to_eye) {
+  const double gloss = 0.03 * to_eye.z() * std::sin(0.08 * p.x());
+  return Eigen::Vector3d::Constant(0.6 + 0.2 * std::sin(0.05 * p.x() + 0.06 * p.y()) + gloss);
+}
+
+TEST(NonnegativeRounding, DoesNotAddUpOverTheTerms) {
+  const SyntheticLightField field = MakeLightField(
+      MakeSphere(1), 8, 80, [](int) { return 7; }, NearlyDull);
+  double fewest = 0;
+  for (const int terms : {2, 4, 6, 8}) {
+    const double psnr =
+        Encode(field.Source(), {.factorization = Factorization::kNmf, .terms = terms},
+               SilentProgress())
+            .matrix_psnr_db;
+    if (terms == 2) fewest = psnr;
+    EXPECT_GT(psnr, fewest - 0.1) << terms;
+  }
 }
 
 TEST_F(NonnegativeTerms, ComeBackFromBothForms) {
