@@ -66,13 +66,13 @@ struct Form {
   const char* name;
   MapCompressionOptions compression;
 };
-constexpr double kVqRatio = 8;
+constexpr double kVqRatio = 8, kVqRatioWithBlocks = 14;
 const Form kForms[] = {
     {"maps", {}},
     {"VQ", {.vq_ratio = kVqRatio}},
     {"BC1", {.blocks = PageBlocks::kBc1}},
     {"BC4 surface maps, BC1", {.blocks = PageBlocks::kBc4}},
-    {"VQ and BC1", {.vq_ratio = kVqRatio, .blocks = PageBlocks::kBc1}},
+    {"VQ and BC1", {.vq_ratio = kVqRatioWithBlocks, .blocks = PageBlocks::kBc1}},
 };
 
 // What is collected over all objects.

@@ -35,38 +35,38 @@ PixelBox BoxAround(const TriangleMesh& surface, const Camera& camera,
           clamp(box.max().y() + room.y() + 1, camera.height)};
 }
 
-/// Finds depth edges along one line of pixels (a row or a column) and marks the pixels beside them.
-void MarkEdges(const float* depth, int count, ptrdiff_t stride, double pixel_mm_per_mm,
-               uint8_t* marked) {
-  const auto at = [&](int i) { return depth[i * stride]; };
-  const auto step = [&](int i) {  // between pixels i and i + 1; NaN where one shows nothing
-    if (i < 0 || i + 1 >= count) return std::numeric_limits<float>::quiet_NaN();
-    const float d = std::abs(at(i + 1) - at(i));
+/// Whether a depth edge lies between pixels i and i + 1 of a line of `count` pixels, `stride` apart
+/// in memory.
+bool IsEdge(const float* depth, int i, int count, ptrdiff_t stride, double pixel_mm_per_mm) {
+  const auto at = [&](int k) { return depth[k * stride]; };
+  const float a = at(i), b = at(i + 1);
+  const bool shown_a = a < kNothing, shown_b = b < kNothing;
+  if (!shown_a || !shown_b) return shown_a != shown_b;
+  const auto step = [&](int k) {  // between pixels k and k + 1; NaN where one shows nothing
+    if (k < 0 || k + 1 >= count) return std::numeric_limits<float>::quiet_NaN();
+    const float d = std::abs(at(k + 1) - at(k));
     return std::isinf(d) ? std::numeric_limits<float>::quiet_NaN() : d;
   };
-  for (int i = 0; i + 1 < count; ++i) {
-    const float a = at(i), b = at(i + 1);
-    const bool shown_a = a < kNothing, shown_b = b < kNothing;
-    if (!shown_a && !shown_b) continue;
-    bool edge = shown_a != shown_b;
-    if (!edge) {
-      const float beside = std::fmin(step(i - 1), step(i + 1));
-      const double allowed =
-          4 * pixel_mm_per_mm * std::min(a, b) + 2 * (std::isnan(beside) ? 0.0F : beside);
-      edge = std::abs(a - b) > allowed;
-    }
-    if (edge) marked[i * stride] = marked[(i + 1) * stride] = 1;
-  }
+  const float beside = std::fmin(step(i - 1), step(i + 1));
+  const double allowed =
+      4 * pixel_mm_per_mm * std::min(a, b) + 2 * (std::isnan(beside) ? 0.0F : beside);
+  return std::abs(a - b) > allowed;
 }
 
+/// The pixels on both sides of depth edges.
 std::vector<uint8_t> MarkEdges(const DepthMap& map, const Camera& camera) {
   std::vector<uint8_t> marked(map.depth.size(), 0);
   for (int y = 0; y < map.height; ++y) {
-    const ptrdiff_t start = static_cast<ptrdiff_t>(y) * map.width;
-    MarkEdges(&map.depth[start], map.width, 1, 1 / camera.fx, &marked[start]);
-  }
-  for (int x = 0; x < map.width; ++x) {
-    MarkEdges(&map.depth[x], map.height, map.width, 1 / camera.fy, &marked[x]);
+    const size_t row = static_cast<size_t>(y) * map.width;
+    for (int x = 0; x < map.width; ++x) {
+      const size_t at = row + x;
+      if (x + 1 < map.width && IsEdge(&map.depth[row], x, map.width, 1, 1 / camera.fx)) {
+        marked[at] = marked[at + 1] = 1;
+      }
+      if (y + 1 < map.height && IsEdge(&map.depth[x], y, map.height, map.width, 1 / camera.fy)) {
+        marked[at] = marked[at + map.width] = 1;
+      }
+    }
   }
   return marked;
 }
