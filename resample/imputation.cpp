@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -113,40 +112,60 @@ void SettleBounds(const Eigen::MatrixXf& found, Entries& entries) {
   entries.bounds.clear();
 }
 
-/// The K leading eigenpairs of a Gram matrix, descending, by subspace iteration: where a fit starts
-/// they need not be exact.
-template <int K>
-struct LeadingPairs {
-  explicit LeadingPairs(const Eigen::MatrixXf& gram) {
-    constexpr int kBesides = 3, kIterations = 6;
-    using Basis = Eigen::Matrix<float, Eigen::Dynamic, K + kBesides>;
-    using Small = Eigen::Matrix<float, K + kBesides, K + kBesides>;
-    const Index size = gram.rows();
-    vectors.setZero(size, K);
-    if (size <= 2 * Basis::ColsAtCompileTime) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(gram);
-      const Index found = std::min<Index>(K, size);
-      values.head(found) = solver.eigenvalues().tail(found).reverse();
-      vectors.leftCols(found) = solver.eigenvectors().rightCols(found).rowwise().reverse();
-      return;
+// Products of matrices of any size, compiled once.
+Eigen::MatrixXf Times(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) { return a * b; }
+Eigen::MatrixXf TransposedTimes(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
+  return a.transpose() * b;
+}
+
+/// Modified Gram and Schmidt, twice over; a column that depends on earlier ones becomes zero.
+void Orthonormalize(Eigen::MatrixXf& basis) {
+  constexpr float kDependent_rel = 1e-5F;
+  for (Index k = 0; k < basis.cols(); ++k) {
+    auto column = basis.col(k);
+    const float before = column.norm();
+    for (int pass = 0; pass < 2; ++pass) {
+      for (Index j = 0; j < k; ++j) column -= basis.col(j).dot(column) * basis.col(j);
     }
-    // Rows that are as far from each other as may be span more than random ones.
-    Basis basis(size, Basis::ColsAtCompileTime);
-    for (int k = 0; k < basis.cols(); ++k) basis.col(k) = gram.col(k * size / basis.cols());
-    for (int i = 0; i <= kIterations; ++i) {
-      const Eigen::HouseholderQR<Basis> qr(basis);
-      basis.setIdentity();
-      basis.applyOnTheLeft(qr.householderQ());
-      if (i < kIterations) basis = (gram * basis).eval();
+    const float left = column.norm();
+    if (left > kDependent_rel * before) {
+      column /= left;
+    } else {
+      column.setZero();
     }
-    const Small small = basis.transpose() * gram * basis;
-    const Eigen::SelfAdjointEigenSolver<Small> solver(small);
-    values = solver.eigenvalues().template tail<K>().reverse();
-    vectors = basis * solver.eigenvectors().template rightCols<K>().rowwise().reverse();
   }
-  Eigen::Matrix<float, K, 1> values = Eigen::Matrix<float, K, 1>::Zero();
-  Eigen::Matrix<float, Eigen::Dynamic, K> vectors;
+}
+
+/// Leading eigenpairs of a Gram matrix, descending; zero beyond its size.
+struct LeadingPairs {
+  Eigen::VectorXf values;
+  Eigen::MatrixXf vectors;
 };
+
+/// By subspace iteration: where a fit starts they need not be exact.
+LeadingPairs FindLeadingPairs(const Eigen::MatrixXf& gram, Index count) {
+  constexpr Index kBesides = 3;
+  constexpr int kIterations = 6;
+  const Index size = gram.rows(), width = std::min(count + kBesides, size);
+  LeadingPairs pairs{Eigen::VectorXf::Zero(count), Eigen::MatrixXf::Zero(size, count)};
+  Eigen::MatrixXf basis = Eigen::MatrixXf::Identity(size, size), small = gram;
+  if (size > 2 * width) {
+    basis.resize(size, width);
+    // Columns as far from each other as may be.
+    for (Index k = 0; k < width; ++k) basis.col(k) = gram.col(k * size / width);
+    for (int i = 0; i <= kIterations; ++i) {
+      Orthonormalize(basis);
+      if (i < kIterations) basis = Times(gram, basis);
+    }
+    small = TransposedTimes(basis, Times(gram, basis));
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(small);
+  const Index found = std::min(count, small.rows());
+  pairs.values.head(found) = solver.eigenvalues().tail(found).reverse();
+  pairs.vectors.leftCols(found) =
+      Times(basis, solver.eigenvectors().rightCols(found).rowwise().reverse());
+  return pairs;
+}
 
 /// A fit of K terms by alternating ridge regression: rows . views^T.
 template <int K>
@@ -161,16 +180,16 @@ class LowRankFit {
     Eigen::MatrixXf gram = Eigen::MatrixXf::Zero(filled.cols(), filled.cols());
     gram.selfadjointView<Eigen::Lower>().rankUpdate(filled.transpose());
     gram = gram.selfadjointView<Eigen::Lower>();
-    const LeadingPairs<K> leading(gram);
+    const LeadingPairs leading = FindLeadingPairs(gram, K);
     rows_.setZero(filled.rows(), K);
     views_.setZero(filled.cols(), K);
     for (int k = 0; k < K; ++k) {
       const float singular = std::sqrt(std::max(0.0F, leading.values[k]));
       if (!(singular > 0)) break;
-      const auto direction = leading.vectors.col(k);
+      const Eigen::VectorXf direction = leading.vectors.col(k);
       const float root = std::sqrt(singular);
       views_.col(k) = direction * root;
-      rows_.col(k) = filled * direction / root;
+      rows_.col(k) = Times(filled, direction) / root;
       if (k == 0) ridge_ = kRidge_rel * singular;
     }
   }
@@ -226,8 +245,8 @@ class LowRankFit {
   void FitRows(const Entries& entries) {
     Grams products = Grams::Zero(views_.rows(), K * K);
     for (Index v = 0; v < views_.rows(); ++v) AddProduct(views_, v, products, v);
-    const Grams grams = entries.takes_part * products;
-    const Factor right = entries.data * views_;
+    const Grams grams = Times(entries.takes_part, products);
+    const Factor right = Times(entries.data, views_);
     std::vector<Eigen::LLT<Gram>> of_groups;
     for (Index g = 0; g < grams.rows(); ++g) of_groups.push_back(Decompose(grams, g));
     for (Index r = 0; r < rows_.rows(); ++r) {
@@ -241,8 +260,8 @@ class LowRankFit {
     for (Index r = 0; r < rows_.rows(); ++r) {
       AddProduct(rows_, r, products, entries.group_of_row[static_cast<size_t>(r)]);
     }
-    const Grams grams = entries.takes_part.transpose() * products;
-    const Factor right = entries.data.transpose() * rows_;
+    const Grams grams = TransposedTimes(entries.takes_part, products);
+    const Factor right = TransposedTimes(entries.data, rows_);
     // A view that tells little looks like the mean of all, not like a darker one.
     const Terms expected = ridge_ * views_.colwise().mean().transpose();
     for (Index v = 0; v < views_.rows(); ++v) {

@@ -12,7 +12,8 @@
 
 namespace lfm {
 
-/// A copy of the small capture that the test run has rendered, to be damaged at will.
+/// A copy of the small capture that the test run has rendered, to be damaged at will, and a
+/// workspace for it.
 class SmallCapture {
  public:
   SmallCapture() {
@@ -21,6 +22,16 @@ class SmallCapture {
 
   std::filesystem::path capture() const { return scratch_.folder / "capture"; }
   std::filesystem::path work() const { return scratch_.folder / "work"; }
+
+  /// The workspace is that of a finished run (RunPipeline with two threads, up to evaluate) with
+  /// the results of these stages.
+  void BeginAfter(const std::vector<std::string>& stages) const {
+    std::filesystem::create_directories(work());
+    for (const std::string& stage : stages) {
+      std::filesystem::copy(std::filesystem::path(LFM_SMALL_WORKSPACE) / stage, work() / stage,
+                            std::filesystem::copy_options::recursive);
+    }
+  }
 
   nlohmann::json Manifest() const { return ReadJson(capture() / "capture.json"); }
   void SetManifest(const nlohmann::json& manifest) const {
