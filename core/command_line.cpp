@@ -45,13 +45,13 @@ std::string HelpText(const OptionInfo& info) {
 class CliDeclarer : public OptionVisitor {
  public:
   CliDeclarer(CLI::App& app, std::string group) : app_(app), group_(std::move(group)) {}
-  void Number(const OptionInfo& info, double& value) override { Add(info, value); }
-  void Integer(const OptionInfo& info, int& value) override { Add(info, value); }
+  void Number(const OptionInfo& info, double& value) override { AddNumber(info, value); }
+  void Integer(const OptionInfo& info, int& value) override { AddNumber(info, value); }
   void Flag(const OptionInfo& info, bool& value) override {
     Finish(app_.add_flag("--" + std::string(info.name) + ",!--no-" + info.name, value,
                          HelpText(info)));
   }
-  void Text(const OptionInfo& info, std::string& value) override { Add(info, value); }
+  void Text(const OptionInfo& info, std::string& value) override { Finish(Add(info, value)); }
   void Choice(const OptionInfo& info, const std::vector<std::string>& names, int& value) override {
     ChoiceBySetter(info, names, value, [&value](int index) { value = index; });
   }
@@ -68,9 +68,19 @@ class CliDeclarer : public OptionVisitor {
 
  private:
   template <typename T>
-  void Add(const OptionInfo& info, T& value) {
-    Finish(app_.add_option("--" + std::string(info.name), value, HelpText(info))
-               ->capture_default_str());
+  CLI::Option* Add(const OptionInfo& info, T& value) {
+    return app_.add_option("--" + std::string(info.name), value, HelpText(info))
+        ->capture_default_str();
+  }
+  // CLI11 reads nothing at all as zero.
+  template <typename T>
+  void AddNumber(const OptionInfo& info, T& value) {
+    Finish(Add(info, value)
+               ->check(
+                   [](const std::string& text) {
+                     return std::string(text.empty() ? "it needs a number" : "");
+                   },
+                   ""));
   }
   void Finish(CLI::Option* option) {
     if (!group_.empty()) option->group(group_);

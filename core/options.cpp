@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -15,6 +16,10 @@ namespace {
 std::string Quoted(const OptionInfo& info) { return std::string("--") + info.name; }
 
 std::string Shortest(double value) {
+  constexpr double kManyDigits = 1e15;  // all whole numbers below are exact
+  if (std::abs(value) < kManyDigits && value == std::trunc(value)) {
+    return std::to_string(static_cast<int64_t>(value));
+  }
   std::ostringstream text;
   text.precision(6);
   text << value;

@@ -70,7 +70,8 @@ TEST(CommandLine, UsageErrorsAreTwo) {
                                                     {"a", "b"},
                                                     {"a", "--nonsense"},
                                                     {"a", "--threads", "-3"},
-                                                    {"a", "--threads", "many"}}) {
+                                                    {"a", "--threads", "many"},
+                                                    {"a", "--count", ""}}) {
     const Outcome outcome = RunTool(arguments);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_FALSE(outcome.ran);

@@ -69,6 +69,7 @@ TEST(Options, JsonProblemsNameFileAndOption) {
   ExpectError(read({{"flavour", "sour"}}), "one of: plain, sweet");
   ExpectError(read({{"sugar", 3}}), "--sugar is 3 but must be between 0 and 2 kg");
   ExpectError(read({{"layers", 5000000000}}), "--layers");
+  ExpectError(read({{"layers", 50000000}}), "--layers is 50000000 but must be between 1 and 9");
   ExpectError(read(nlohmann::json::array()), "cake.json");
 }
 
