@@ -198,26 +198,35 @@ DecimatedMesh DecimateToMean(const DecimationSource& source, int64_t guess, doub
                              Progress& progress) {
   constexpr int kAttempts = 8;
   constexpr double kNearEnough_rel = 0.015;
+  constexpr double kAreaKept = 0.9, kStepBack = 1.3, kLost = 1e3;
   const DenseSurface dense(source.surface);
+  const double area = TotalArea(source.surface);
   const auto all = static_cast<int64_t>(source.surface.triangles.size());
   const Decimation undone(source.surface, source.prices);
   std::optional<DecimatedMesh> best;
   double best_error = 0;
-  int64_t count = guess;
+  int64_t count = guess, fewest = std::min(CountSearch::kFewest, all);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    count = std::clamp(count, std::min(CountSearch::kFewest, all), all);
+    count = std::clamp(count, fewest, all);
     Decimation decimation = undone;
     decimation.ReduceTo(count);
     DecimatedMesh result = count < all ? Finish(decimation, dense) : Undecimated(dense);
     const double ratio = measure(result.mesh) / target;
     progress.Advance();
-    const double error = std::abs(std::log(std::max(ratio, 1e-9)));
+    // With so few triangles whole parts are gone, and what is measured is another object.
+    const bool lost = TotalArea(result.mesh) < kAreaKept * area;
+    if (lost) fewest = std::min<int64_t>(all, std::llround(kStepBack * static_cast<double>(count)));
+    const double error = std::abs(std::log(std::max(ratio, 1e-9))) + (lost ? kLost : 0);
     if (!best || error < best_error) {
       best = std::move(result);
       best_error = error;
     }
-    const int64_t next = std::llround(static_cast<double>(count) * std::clamp(ratio, 0.2, 5.0));
-    if (error < kNearEnough_rel || next == count || (count == all && next > all)) break;
+    const int64_t next =
+        lost ? fewest : std::llround(static_cast<double>(count) * std::clamp(ratio, 0.2, 5.0));
+    if (error < kNearEnough_rel || next == count || (count == all && next > all) ||
+        (next < fewest && count == fewest)) {
+      break;
+    }
     count = next;
   }
   return std::move(*best);

@@ -86,5 +86,22 @@ TEST(DecimationTarget, DeviationSeesBothDirections) {
   EXPECT_GT(deviation.WorseP95(), 30);
 }
 
+TEST(DecimationTarget, AMeanNeverCostsTheShape) {
+  const TriangleMesh surface = test::MakeSphere(30, 5);
+  const double area = TotalArea(surface);
+  const auto area_of_triangle = [](const TriangleMesh& mesh) {
+    return TotalArea(mesh) / static_cast<double>(mesh.triangles.size());
+  };
+  const auto nearest_to = [&](double triangles) {
+    return DecimateToMean(surface, 30, area / triangles, area_of_triangle, SilentProgress()).mesh;
+  };
+  EXPECT_NEAR(static_cast<double>(nearest_to(900).triangles.size()), 900, 30);
+  // So few triangles cannot show a ball.
+  EXPECT_LT(TotalArea(DecimateToCount(surface, 16).mesh), 0.9 * area);
+  const TriangleMesh few = nearest_to(4);
+  EXPECT_GT(TotalArea(few), 0.9 * area);
+  EXPECT_LT(few.triangles.size(), 100u);
+}
+
 }  // namespace
 }  // namespace lfm
