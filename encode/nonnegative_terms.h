@@ -9,9 +9,9 @@ namespace lfm {
 /// NMF). `f` is the matrix with nothing taken out (BuildVertexOperator with a mean of zero), so the
 /// terms hold the mean view too; `mean_only_error` is the squared error of the mean view alone, for
 /// VertexTerms::squared_errors. Surface maps are made equal on shared samples and quantised,
-/// strongest term first; what rounding one costs, those that follow take back in its stead. Then
-/// all view maps are fitted to them once more, together and nonnegative, and quantised in the same
-/// order, each time fitting those that are left: rounding does not add up over the terms.
+/// one after the other (ComputeNmf: strongest first); rounding is taken back by those that follow.
+/// Then all view maps are fitted to them once more, together and nonnegative, and quantised in the
+/// same order, each time fitting those that are left: rounding does not add up over the terms.
 ///
 /// Other than FactorizeVertex not progressive: fewer terms are another factorisation, and the first
 /// of K terms alone show less light. The solvers are ComputeNmf (kFactored) and the appendix's

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/disjoint_sets.h"
 #include "core/ray_scene.h"
 #include "mesh/count_search.h"
 #include "mesh/decimation.h"
@@ -93,10 +94,17 @@ DecimatedMesh Finish(const Decimation& decimation, const DenseSurface& dense) {
   const int64_t samples = std::max<int64_t>(20 * decimation.triangles(), 2000);
   result.mesh =
       ImproveTriangles(decimation.Mesh(), dense.scene, SampleSurface(dense.mesh, samples, 3));
-  // What the surface does itself is not ours to part: its parts would shrink away from each other.
+  // What the surface does itself is not ours to part, nor are parts of it that lie close together:
+  // they would shrink away from each other.
+  DisjointSets parts(result.mesh.vertices.size());
+  for (const Eigen::Vector3i& t : result.mesh.triangles) {
+    parts.Unite(t[0], t[1]);
+    parts.Unite(t[0], t[2]);
+  }
+  const auto part_of = [&](int t) { return parts.Find(result.mesh.triangles[t][0]); };
   Untangled untangled = RemoveSelfIntersections(result.mesh, [&](int a, int b) {
     const Crossings& own = dense.OwnCrossings();
-    return own.Reach(result.mesh, a) && own.Reach(result.mesh, b);
+    return part_of(a) != part_of(b) || (own.Reach(result.mesh, a) && own.Reach(result.mesh, b));
   });
   result.mesh = std::move(untangled.mesh);
   result.self_intersections = untangled.left;

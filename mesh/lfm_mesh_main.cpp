@@ -147,8 +147,9 @@ lfm::MeshResult Build(const lfm::Capture& capture, const std::filesystem::path& 
       throw lfm::Error("--points " + points + ": the capture brings its own mesh, " + capture.mesh +
                        "; leave out --points");
     }
-    return lfm::PrepareGivenMesh(lfm::ReadPlyMesh(capture.folder / capture.mesh), calib, options,
-                                 progress, photos);
+    const std::filesystem::path mesh = capture.folder / capture.mesh;
+    return lfm::PrepareGivenMesh(lfm::ReadPlyMesh(mesh), calib, options, progress, photos,
+                                 mesh.string());
   }
   const std::string file = points.empty() ? (work / "scan" / "points.ply").string() : points;
   if (points.empty() && std::filesystem::exists(work / "scan" / "rig.json")) {

@@ -171,17 +171,25 @@ void AddDecimated(DecimatedMesh decimated, const RayScene& surface_scene, const 
   result.samples_per_triangle = PredictSamplesPerTriangle(result.mesh, surface_scene, calib);
 }
 
-void CheckGivenMesh(const TriangleMesh& given) {
-  ValidateMesh(given, "the capture's mesh");
+void CheckGivenMesh(const TriangleMesh& given, const std::string& where) {
+  constexpr double kFarthest_mm = 1e7;
+  ValidateMesh(given, where.c_str());
+  for (const Eigen::Vector3d& v : given.vertices) {
+    if (v.cwiseAbs().maxCoeff() > kFarthest_mm) {
+      throw Error(where +
+                  ": a vertex lies more than 10 km from the origin; coordinates are in "
+                  "millimetres, in the frame of the poses");
+    }
+  }
   if (given.triangles.size() > static_cast<size_t>(std::numeric_limits<int>::max() / 4)) {
-    throw Error("the capture's mesh: too many triangles");
+    throw Error(where + ": too many triangles");
   }
   std::map<std::pair<int, int>, int> seen;
   for (size_t t = 0; t < given.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const auto edge = std::pair(given.triangles[t][k], given.triangles[t][(k + 1) % 3]);
       if (!seen.emplace(edge, static_cast<int>(t)).second) {
-        throw Error("the capture's mesh: triangles " + std::to_string(seen[edge]) + " and " +
+        throw Error(where + ": triangles " + std::to_string(seen[edge]) + " and " +
                     std::to_string(t) +
                     " share an edge but face opposite ways, or more than two meet in it; repair "
                     "the mesh");
@@ -189,9 +197,9 @@ void CheckGivenMesh(const TriangleMesh& given) {
     }
   }
   if (!ExamineTopology(given).manifold) {
-    throw Error("the capture's mesh: it is not a manifold surface; repair the mesh");
+    throw Error(where + ": it is not a manifold surface; repair the mesh");
   }
-  if (!(TotalArea(given) > 0)) throw Error("the capture's mesh: it has no area");
+  if (!(TotalArea(given) > 0)) throw Error(where + ": it has no area");
 }
 
 }  // namespace
@@ -241,32 +249,12 @@ MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sig
   return result;
 }
 
-namespace {
-
-// A surface whose parts cross is given an outer surface, if it has one: no triangle of what is
-// decimated is spent on what lies inside.
-void UniteCrossingParts(const RayScene& given_scene, MeshResult& result, Progress& progress) {
-  std::optional<TriangleMesh> united = UniteParts(result.surface);
-  if (!united) return;
-  united->confidence = TransferConfidence(*united, result.surface, given_scene);
-  united->normals = ComputeVertexNormals(*united);
-  const std::string what = std::to_string(ExamineTopology(result.surface).components) +
-                           " parts that cross each other became one outer surface";
-  progress.Note("given mesh: " + what);
-  result.reasons.push_back(what);
-  result.surface = std::move(*united);
-  result.surface_self_intersections =
-      static_cast<int>(FindSelfIntersections(result.surface).size());
-}
-
-}  // namespace
-
 MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
                             const MeshOptions& options, Progress& progress,
-                            const ImageLoader& load_image) {
+                            const ImageLoader& load_image, const std::string& where) {
   MeshOptions checked = options;
   ValidateOptions(AnyOptions(checked));
-  CheckGivenMesh(given);
+  CheckGivenMesh(given, where);
   MeshResult result;
   result.surface = given;
   if (ExamineTopology(given).closed && SignedVolume(given) < 0) {
@@ -282,7 +270,11 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
   result.surface_self_intersections =
       static_cast<int>(FindSelfIntersections(result.surface).size());
   RayScene scene(result.surface);
-  result.pixel_mm = MedianPixelFootprint(result.surface, scene, calib);
+  try {
+    result.pixel_mm = MedianPixelFootprint(result.surface, scene, calib);
+  } catch (const Error& e) {
+    throw Error(where + ": " + e.what() + " (is the mesh in the frame of the poses?)", e.kind());
+  }
 
   const double count = static_cast<double>(given.triangles.size());
   const double samples = TotalArea(given) / count / (result.pixel_mm * result.pixel_mm);
@@ -297,8 +289,17 @@ MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
     return result;
   }
   if (result.surface_self_intersections > 0) {
-    UniteCrossingParts(scene, result, progress);
-    scene = RayScene(result.surface);
+    // No triangle of what is decimated is to be spent on what lies inside.
+    if (auto united = UniteParts(result.surface, progress)) {
+      progress.Note("given mesh: " + std::to_string(united->united) +
+                    " parts that cross others have their outer surface alone now");
+      united->mesh.confidence = TransferConfidence(united->mesh, result.surface, scene);
+      united->mesh.normals = ComputeVertexNormals(united->mesh);
+      result.surface = std::move(united->mesh);
+      result.surface_self_intersections =
+          static_cast<int>(FindSelfIntersections(result.surface).size());
+      scene = RayScene(result.surface);
+    }
   }
   const DecimationSource source =
       PriceSurface(result.surface, scene, calib, options, load_image, progress);

@@ -93,11 +93,13 @@ MeshResult BuildMesh(const PointCloud& points, const std::vector<ScanSight>& sig
 
 /// The same result from a mesh that a capture brings along: it becomes the dense surface; it also
 /// carries the light field as it is when its triangles already hold at least as many photograph
-/// pixels as the target asks (or 40 by default), and is decimated otherwise; parts that cross each
-/// other then become one outer surface first (UniteParts), where it has one. An open mesh is
-/// allowed here; a non-manifold one throws Error.
+/// pixels as the target asks (or 40 by default), and is decimated otherwise; closed parts that
+/// cross each other then become one outer surface first (UniteParts), without colours. An open mesh
+/// is allowed here; a non-manifold one throws Error, as one does that no photograph sees (naming
+/// `where`: the mesh's file).
 MeshResult PrepareGivenMesh(const TriangleMesh& given, const CalibResult& calib,
                             const MeshOptions& options, Progress& progress,
-                            const ImageLoader& load_image = {});
+                            const ImageLoader& load_image = {},
+                            const std::string& where = "the capture's mesh");
 
 }  // namespace lfm

@@ -9,11 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <exception>
-#include <numeric>
+#include <map>
+#include <new>
 #include <utility>
 #include <vector>
 
+#include "core/disjoint_sets.h"
 #include "mesh/decimation.h"
 #include "mesh/self_intersection.h"
 
@@ -26,54 +27,68 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 // Of the size of the whole: corners this near are one, which rounding pulled apart.
 constexpr double kNoEdge_rel = 1e-9;
+// Of the size of a part: how far a fold may be smoothed.
+constexpr double kLargestMove_rel = 1e-3;
 
-// The part of each vertex, and how many parts there are.
-std::pair<std::vector<int>, int> LabelParts(const TriangleMesh& mesh) {
-  std::vector<int> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    for (const int corner : {t[1], t[2]}) parent[root(corner)] = root(t[0]);
-  }
-  std::vector<int> part_of_root(mesh.vertices.size(), -1), part(mesh.vertices.size(), -1);
-  int count = 0;
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    int& label = part_of_root[root(t[0])];
-    if (label < 0) label = count++;
-    for (int k = 0; k < 3; ++k) part[t[k]] = label;
-  }
-  return {std::move(part), count};
-}
+struct Parts {
+  std::vector<TriangleMesh> meshes;
+  std::vector<int> of_triangle;
+};
 
-std::vector<TriangleMesh> SplitIntoParts(const TriangleMesh& mesh) {
-  const auto [part, count] = LabelParts(mesh);
-  std::vector<TriangleMesh> parts(count);
-  std::vector<int> index(mesh.vertices.size(), -1);
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (part[v] < 0) continue;
-    index[v] = static_cast<int>(parts[part[v]].vertices.size());
-    parts[part[v]].vertices.push_back(mesh.vertices[v]);
-  }
+Parts SplitIntoParts(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.vertices.size());
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    parts[part[t[0]]].triangles.emplace_back(index[t[0]], index[t[1]], index[t[2]]);
+    sets.Unite(t[0], t[1]);
+    sets.Unite(t[0], t[2]);
+  }
+  Parts parts;
+  std::vector<int> label(mesh.vertices.size(), -1), index(mesh.vertices.size(), -1);
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    int& part = label[sets.Find(t[0])];
+    if (part < 0) {
+      part = static_cast<int>(parts.meshes.size());
+      parts.meshes.emplace_back();
+    }
+    TriangleMesh& own = parts.meshes[part];
+    for (const int corner : {t[0], t[1], t[2]}) {
+      if (index[corner] >= 0) continue;
+      index[corner] = static_cast<int>(own.vertices.size());
+      own.vertices.push_back(mesh.vertices[corner]);
+    }
+    own.triangles.emplace_back(index[t[0]], index[t[1]], index[t[2]]);
+    parts.of_triangle.push_back(part);
   }
   return parts;
 }
 
-bool EnclosesVolume(const TriangleMesh& part) {
-  const MeshTopology topology = ExamineTopology(part);
-  return topology.closed && topology.manifold && topology.degenerate_triangles == 0 &&
-         SignedVolume(part) > 0;
+/// Parts that meet each other, directly or through others; by their least one.
+std::map<int, std::vector<int>> FindClusters(const TriangleMesh& mesh, const Parts& parts) {
+  DisjointSets sets(parts.meshes.size());
+  for (const auto& [a, b] : FindSelfIntersections(mesh)) {
+    sets.Unite(parts.of_triangle[a], parts.of_triangle[b]);
+  }
+  std::map<int, std::vector<int>> clusters;
+  for (int part = 0; part < static_cast<int>(parts.meshes.size()); ++part) {
+    clusters[sets.Find(part)].push_back(part);
+  }
+  return clusters;
 }
 
-// Whether the part is free of crossings, if need be after its small folds were smoothed.
-bool Untangle(TriangleMesh& part) {
+double SizeOf(const TriangleMesh& part) { return std::sqrt(TotalArea(part)); }
+
+/// The part itself, or with its small folds smoothed, if it encloses a volume.
+std::optional<TriangleMesh> AsSolid(const TriangleMesh& part) {
+  const MeshTopology topology = ExamineTopology(part);
+  const double volume = SignedVolume(part), size = SizeOf(part);
+  if (!topology.closed || !topology.manifold || topology.degenerate_triangles > 0) return {};
+  if (!(volume > 0) || !std::isfinite(volume) || !(size > 0) || !std::isfinite(size)) return {};
   Untangled untangled = RemoveSelfIntersections(part);
-  part = std::move(untangled.mesh);
-  return untangled.left == 0 && EnclosesVolume(part);
+  if (untangled.left > 0) return {};
+  for (size_t v = 0; v < part.vertices.size(); ++v) {
+    const double moved = (untangled.mesh.vertices[v] - part.vertices[v]).norm();
+    if (moved > kLargestMove_rel * size) return {};
+  }
+  return std::move(untangled.mesh);
 }
 
 SurfaceMesh MakeSurfaceMesh(const TriangleMesh& mesh) {
@@ -108,32 +123,73 @@ TriangleMesh MakeTriangleMesh(SurfaceMesh& surface) {
   return mesh;
 }
 
-}  // namespace
-
-std::optional<TriangleMesh> UniteParts(const TriangleMesh& mesh) {
-  ValidateMesh(mesh, "union of parts");
-  std::vector<TriangleMesh> parts = SplitIntoParts(mesh);
-  if (parts.size() < 2 || !std::all_of(parts.begin(), parts.end(), EnclosesVolume) ||
-      !std::all_of(parts.begin(), parts.end(), Untangle)) {
-    return {};
-  }
-  // Small ones first: each union then costs what the part joined last is worth.
-  std::stable_sort(parts.begin(), parts.end(), [](const TriangleMesh& a, const TriangleMesh& b) {
-    return a.triangles.size() < b.triangles.size();
-  });
-  SurfaceMesh united = MakeSurfaceMesh(parts.front());
+std::optional<TriangleMesh> Unite(const std::vector<TriangleMesh>& solids, Progress& progress) {
+  const auto larger = [](const SurfaceMesh& a, const SurfaceMesh& b) {
+    return a.number_of_faces() > b.number_of_faces();
+  };
+  std::vector<SurfaceMesh> left;
+  for (const TriangleMesh& solid : solids) left.push_back(MakeSurfaceMesh(solid));
   try {
-    for (size_t i = 1; i < parts.size(); ++i) {
-      SurfaceMesh next = MakeSurfaceMesh(parts[i]);
-      if (!pmp::corefine_and_compute_union(united, next, united)) return {};
+    // The two smallest become one each time.
+    while (left.size() > 1) {
+      std::stable_sort(left.begin(), left.end(), larger);
+      SurfaceMesh& a = left[left.size() - 2];
+      if (!pmp::corefine_and_compute_union(a, left.back(), a)) return {};
+      a.collect_garbage();
+      left.pop_back();
+      progress.Advance();
     }
-  } catch (const std::exception&) {  // no union is defined
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const CGAL::Failure_exception&) {
+    return {};
+  } catch (const pmp::Corefinement::Self_intersection_exception&) {
     return {};
   }
-  const TriangleMesh rounded = MakeTriangleMesh(united);
-  TriangleMesh result = RemoveShortEdges(rounded, kNoEdge_rel * std::sqrt(TotalArea(rounded)));
+  const TriangleMesh rounded = MakeTriangleMesh(left.front());
+  TriangleMesh result = RemoveShortEdges(rounded, kNoEdge_rel * SizeOf(rounded));
   const MeshTopology topology = ExamineTopology(result);
   if (!topology.closed || !topology.manifold || !(SignedVolume(result) > 0)) return {};
+  return result;
+}
+
+std::optional<TriangleMesh> UniteCluster(const std::vector<int>& cluster, const Parts& parts,
+                                         Progress& progress) {
+  std::vector<TriangleMesh> solids;
+  for (const int part : cluster) {
+    auto solid = AsSolid(parts.meshes[part]);
+    if (!solid) return {};
+    solids.push_back(std::move(*solid));
+  }
+  return Unite(solids, progress);
+}
+
+void Append(const TriangleMesh& part, TriangleMesh& whole) {
+  const int first = static_cast<int>(whole.vertices.size());
+  whole.vertices.insert(whole.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const Eigen::Vector3i& t : part.triangles) whole.triangles.push_back(t.array() + first);
+}
+
+}  // namespace
+
+std::optional<PartUnion> UniteParts(const TriangleMesh& mesh, Progress& progress) {
+  ValidateMesh(mesh, "union of parts");
+  const Parts parts = SplitIntoParts(mesh);
+  if (parts.meshes.size() < 2) return {};
+  PartUnion result;
+  progress.Start("uniting parts that cross", static_cast<int64_t>(parts.meshes.size()));
+  for (const auto& [least, cluster] : FindClusters(mesh, parts)) {
+    std::optional<TriangleMesh> united;
+    if (cluster.size() > 1) united = UniteCluster(cluster, parts, progress);
+    if (united) {
+      Append(*united, result.mesh);
+      result.united += static_cast<int>(cluster.size());
+    } else {
+      for (const int part : cluster) Append(parts.meshes[part], result.mesh);
+    }
+    progress.Advance();
+  }
+  if (result.united == 0) return {};
   return result;
 }
 

@@ -3,18 +3,28 @@
 
 #include <optional>
 
+#include "core/progress.h"
 #include "core/triangle_mesh.h"
 
 namespace lfm {
 
+struct PartUnion {
+  TriangleMesh mesh;  ///< vertices and triangles only
+  int united = 0;     ///< parts of the given mesh that are one with others now
+};
+
 /// The outer surface of a mesh that is put together from closed parts which cross each other, as
-/// modelled objects are: the union of the parts' volumes (CGAL, exact constructions; coordinates
-/// are rounded to doubles at the end). What lies inside another part goes; joints become edges. A
-/// part that crosses itself is parted first (RemoveSelfIntersections). Vertices and triangles only.
+/// modelled objects are: parts whose triangles meet become the union of their volumes (CGAL, exact
+/// constructions). What lies inside another part of them goes; joints become edges. Coordinates are
+/// rounded to doubles at the end, and corners that lie within a billionth of the size become one;
+/// now and then rounding leaves a sliver that crosses its neighbour.
 ///
-/// Nothing where there is nothing to unite, or where no union is defined: a mesh of one part, an
-/// open part, one that encloses no positive volume (a cavity), one whose own crossings cannot be
-/// parted, or a union that is no manifold. Throws Error for an invalid mesh.
-std::optional<TriangleMesh> UniteParts(const TriangleMesh& mesh);
+/// Parts stay as they are where they meet no other, and where no union is defined: beside an open
+/// part, one with a triangle without area, one that encloses no positive volume (a cavity, a part
+/// that is inside out), one that crosses itself so that it cannot be parted by moves of a
+/// thousandth of its size (RemoveSelfIntersections), or where the union is no manifold. Nothing is
+/// returned when that is all parts. Time grows with the triangles of the parts that meet, times the
+/// logarithm of their number. Throws Error for an invalid mesh or one that is no oriented manifold.
+std::optional<PartUnion> UniteParts(const TriangleMesh& mesh, Progress& progress);
 
 }  // namespace lfm

@@ -205,8 +205,9 @@ StageJob ScanJob(const Run& run) {
 MeshResult MakeMesh(const Run& run, const CalibResult& calib) {
   const ImageLoader photos = MakeImageLoader(run.capture);
   if (run.capture.BringsGeometry()) {
-    return PrepareGivenMesh(ReadPlyMesh(run.capture.folder / run.capture.mesh), calib,
-                            run.options.mesh, run.progress, photos);
+    const fs::path mesh = run.capture.folder / run.capture.mesh;
+    return PrepareGivenMesh(ReadPlyMesh(mesh), calib, run.options.mesh, run.progress, photos,
+                            mesh.string());
   }
   const ScanResult scan = LoadScan(run.workspace.Stage("scan"));
   return BuildMesh(scan.points, SightsOf(scan), calib, run.options.mesh, run.progress, photos,

@@ -143,16 +143,20 @@ struct LeadingPairs {
 };
 
 /// By subspace iteration: where a fit starts they need not be exact.
-LeadingPairs FindLeadingPairs(const Eigen::MatrixXf& gram, Index count) {
+LeadingPairs FindLeadingPairs(Eigen::MatrixXf gram, Index count) {
   constexpr Index kBesides = 3;
   constexpr int kIterations = 6;
   const Index size = gram.rows(), width = std::min(count + kBesides, size);
   LeadingPairs pairs{Eigen::VectorXf::Zero(count), Eigen::MatrixXf::Zero(size, count)};
+  const float trace = gram.trace();
+  if (!(trace > 0)) return pairs;
+  gram /= trace;
   Eigen::MatrixXf basis = Eigen::MatrixXf::Identity(size, size), small = gram;
   if (size > 2 * width) {
     basis.resize(size, width);
-    // Columns as far from each other as may be.
+    // Columns as far from each other as may be; the first, to which all add, is never without any.
     for (Index k = 0; k < width; ++k) basis.col(k) = gram.col(k * size / width);
+    basis.col(0) = gram.rowwise().sum();
     for (int i = 0; i <= kIterations; ++i) {
       Orthonormalize(basis);
       if (i < kIterations) basis = Times(gram, basis);
@@ -161,7 +165,7 @@ LeadingPairs FindLeadingPairs(const Eigen::MatrixXf& gram, Index count) {
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(small);
   const Index found = std::min(count, small.rows());
-  pairs.values.head(found) = solver.eigenvalues().tail(found).reverse();
+  pairs.values.head(found) = trace * solver.eigenvalues().tail(found).reverse();
   pairs.vectors.leftCols(found) =
       Times(basis, solver.eigenvectors().rightCols(found).rowwise().reverse());
   return pairs;

@@ -194,26 +194,60 @@ TEST(GivenMesh, FineOneIsDecimated) {
             given.triangles.size());
 }
 
-TEST(GivenMesh, PartsThatCrossKeepTheirShape) {
-  // A head that sits halfway in a body: parting the two would shrink it away.
-  const Eigen::Vector3d head_center = kCenter + Eigen::Vector3d(30, 0, 0);
-  const TriangleMesh given =
-      Join(test::MakeSphere(30, 5, kCenter), test::MakeSphere(9, 4, head_center));
+// A head that sits halfway in a body: parting the two would shrink it away.
+const Eigen::Vector3d kHeadCenter = kCenter + Eigen::Vector3d(30, 0, 0);
+
+MeshResult Decimate(const TriangleMesh& given) {
   MeshOptions options;
   options.triangle_count = 900;
-  const MeshResult result = PrepareGivenMesh(given, GivenCalib(), options, SilentProgress());
+  return PrepareGivenMesh(given, GivenCalib(), options, SilentProgress());
+}
+
+double Farthest(const TriangleMesh& mesh) {
+  double farthest = 0;
+  for (const Eigen::Vector3d& v : mesh.vertices) farthest = std::max(farthest, v.x() - kCenter.x());
+  return farthest;
+}
+
+TEST(GivenMesh, PartsThatCrossBecomeOneSurface) {
+  const MeshResult result =
+      Decimate(Join(test::MakeSphere(30, 5, kCenter), test::MakeSphere(9, 4, kHeadCenter)));
   EXPECT_TRUE(test::IsClosedManifold(result.surface));
   EXPECT_EQ(ExamineTopology(result.mesh).components, 1);
   EXPECT_EQ(result.surface_self_intersections, 0);
   EXPECT_EQ(result.mesh_self_intersections, 0);
-  ASSERT_EQ(result.reasons.size(), 1u);
   EXPECT_LE(result.mesh.triangles.size(), 900u);
   EXPECT_LT(result.deviation_max_mm, 1);
-  double farthest = 0;
-  for (const Eigen::Vector3d& v : result.mesh.vertices) {
-    farthest = std::max(farthest, v.x() - kCenter.x());
+  EXPECT_NEAR(Farthest(result.mesh), 39, 0.7);
+}
+
+TEST(GivenMesh, PartsThatCrossAndHaveNoUnionKeepTheirShape) {
+  TriangleMesh head = test::MakeSphere(9, 4, kHeadCenter);
+  head.triangles.pop_back();
+  const MeshResult result = Decimate(Join(test::MakeSphere(30, 5, kCenter), head));
+  EXPECT_GT(result.surface_self_intersections, 0);
+  EXPECT_EQ(ExamineTopology(result.mesh).components, 2);
+  EXPECT_LT(result.deviation_max_mm, 1);
+  EXPECT_NEAR(Farthest(result.mesh), 39, 0.7);
+}
+
+TEST(GivenMesh, PartsAHairApartKeepTheirShape) {
+  const TriangleMesh given = Join(test::MakeBox({-20, -20, 0}, {0, 20, 40}, 24),
+                                  test::MakeBox({1e-9, -20, 0}, {20, 20, 40}, 24));
+  MeshOptions options;
+  options.triangle_count = 300;
+  const MeshResult result = PrepareGivenMesh(given, GivenCalib(), options, SilentProgress());
+  EXPECT_LT(result.deviation_max_mm, 0.5);
+}
+
+TEST(GivenMesh, WhatNoPhotographSeesNamesTheFile) {
+  for (const double away : {1e5, 1e30}) {
+    TriangleMesh far = test::MakeSphere(30, 3, kCenter);
+    for (Eigen::Vector3d& v : far.vertices) v.x() += away;
+    const std::string what = ErrorOf(
+        [&] { PrepareGivenMesh(far, GivenCalib(), {}, SilentProgress(), {}, "toy/mesh.ply"); });
+    EXPECT_EQ(what.rfind("toy/mesh.ply: ", 0), 0u) << what;
   }
-  EXPECT_NEAR(farthest, 39, 0.7);
 }
 
 TEST(GivenMesh, OpenIsAllowedInsideOutIsTurned) {
