@@ -66,6 +66,8 @@ struct Form {
   const char* name;
   MapCompressionOptions compression;
 };
+// With which the paper's 800 : 1 and, in blocks that are four to six times smaller, its 5000 : 1
+// are reached.
 constexpr double kVqRatio = 8, kVqRatioWithBlocks = 14;
 const Form kForms[] = {
     {"maps", {}},

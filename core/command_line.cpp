@@ -72,15 +72,13 @@ class CliDeclarer : public OptionVisitor {
     return app_.add_option("--" + std::string(info.name), value, HelpText(info))
         ->capture_default_str();
   }
-  // CLI11 reads nothing at all as zero.
   template <typename T>
   void AddNumber(const OptionInfo& info, T& value) {
-    Finish(Add(info, value)
-               ->check(
-                   [](const std::string& text) {
-                     return std::string(text.empty() ? "it needs a number" : "");
-                   },
-                   ""));
+    Finish(Add(info, value)->check(RequireNumber, ""));
+  }
+  // CLI11 reads nothing at all as zero.
+  static std::string RequireNumber(const std::string& text) {
+    return text.empty() ? "it needs a number" : "";
   }
   void Finish(CLI::Option* option) {
     if (!group_.empty()) option->group(group_);

@@ -89,8 +89,9 @@ std::optional<QuantizedTerm> QuantizeTermSurface(const VertexOperator& f,
   return term;
 }
 
-// What rounding `factor` by `rounding` costs, the later factors take back as far as they can:
-// beside partners with these products that is a multiple of `rounding`, the same in every row.
+// What the rounding of factor k costs, the later factors take back as far as they can: least
+// squares beside their partners (whose products are `partner_gram`) gives each the same multiple of
+// it in every row.
 void TakeBackRounding(const Eigen::MatrixXd& partner_gram, int k,
                       const std::vector<float>& rounding,
                       std::vector<std::vector<float>>& factors) {
@@ -114,8 +115,8 @@ Eigen::MatrixXd GramOf(const std::vector<float>& matrix, int rows, int width, in
   return gram.topLeftCorner(terms, terms);
 }
 
-// Surface maps one after the other, strongest term first; each is rounded where those that follow
-// can still make up for it.
+// Surface maps one after the other; each is rounded while those that follow can still make up for
+// it.
 std::vector<QuantizedTerm> QuantizeSurfaces(const VertexOperator& f, const SharedSamples& shared,
                                             const NmfResult& nmf,
                                             const std::vector<float>& column_scale) {
@@ -129,8 +130,9 @@ std::vector<QuantizedTerm> QuantizeSurfaces(const VertexOperator& f, const Share
     std::vector<float> rounding = surfaces[k];
     auto term = QuantizeTermSurface(f, shared, surfaces[k], view);
     if (!term) continue;
-    for (size_t row = 0; row < rounding.size(); ++row)
+    for (size_t row = 0; row < rounding.size(); ++row) {
       rounding[row] = surfaces[k][row] - rounding[row];
+    }
     TakeBackRounding(gram, k, rounding, surfaces);
     terms.push_back(std::move(*term));
   }

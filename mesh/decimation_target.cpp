@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/disjoint_sets.h"
 #include "core/ray_scene.h"
 #include "mesh/count_search.h"
 #include "mesh/decimation.h"
 #include "mesh/edge_quality.h"
 #include "mesh/error_bound.h"
+#include "mesh/part_union.h"
 #include "mesh/self_intersection.h"
 
 namespace lfm {
@@ -96,15 +96,10 @@ DecimatedMesh Finish(const Decimation& decimation, const DenseSurface& dense) {
       ImproveTriangles(decimation.Mesh(), dense.scene, SampleSurface(dense.mesh, samples, 3));
   // What the surface does itself is not ours to part, nor are parts of it that lie close together:
   // they would shrink away from each other.
-  DisjointSets parts(result.mesh.vertices.size());
-  for (const Eigen::Vector3i& t : result.mesh.triangles) {
-    parts.Unite(t[0], t[1]);
-    parts.Unite(t[0], t[2]);
-  }
-  const auto part_of = [&](int t) { return parts.Find(result.mesh.triangles[t][0]); };
+  const std::vector<int> parts = LabelParts(result.mesh);
   Untangled untangled = RemoveSelfIntersections(result.mesh, [&](int a, int b) {
     const Crossings& own = dense.OwnCrossings();
-    return part_of(a) != part_of(b) || (own.Reach(result.mesh, a) && own.Reach(result.mesh, b));
+    return parts[a] != parts[b] || (own.Reach(result.mesh, a) && own.Reach(result.mesh, b));
   });
   result.mesh = std::move(untangled.mesh);
   result.self_intersections = untangled.left;

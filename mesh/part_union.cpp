@@ -36,27 +36,21 @@ struct Parts {
 };
 
 Parts SplitIntoParts(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.vertices.size());
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    sets.Unite(t[0], t[1]);
-    sets.Unite(t[0], t[2]);
-  }
-  Parts parts;
-  std::vector<int> label(mesh.vertices.size(), -1), index(mesh.vertices.size(), -1);
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    int& part = label[sets.Find(t[0])];
-    if (part < 0) {
-      part = static_cast<int>(parts.meshes.size());
-      parts.meshes.emplace_back();
-    }
+  Parts parts{{}, LabelParts(mesh)};
+  std::vector<int> index(mesh.vertices.size(), -1);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto part = static_cast<size_t>(parts.of_triangle[t]);
+    if (part == parts.meshes.size()) parts.meshes.emplace_back();
     TriangleMesh& own = parts.meshes[part];
-    for (const int corner : {t[0], t[1], t[2]}) {
-      if (index[corner] >= 0) continue;
-      index[corner] = static_cast<int>(own.vertices.size());
-      own.vertices.push_back(mesh.vertices[corner]);
+    Eigen::Vector3i corners = mesh.triangles[t];
+    for (int& corner : corners) {
+      if (index[corner] < 0) {
+        index[corner] = static_cast<int>(own.vertices.size());
+        own.vertices.push_back(mesh.vertices[corner]);
+      }
+      corner = index[corner];
     }
-    own.triangles.emplace_back(index[t[0]], index[t[1]], index[t[2]]);
-    parts.of_triangle.push_back(part);
+    own.triangles.push_back(corners);
   }
   return parts;
 }
@@ -171,6 +165,22 @@ void Append(const TriangleMesh& part, TriangleMesh& whole) {
 }
 
 }  // namespace
+
+std::vector<int> LabelParts(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.vertices.size());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    sets.Unite(t[0], t[1]);
+    sets.Unite(t[0], t[2]);
+  }
+  std::vector<int> labels, label_of_set(mesh.vertices.size(), -1);
+  int count = 0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    int& label = label_of_set[sets.Find(t[0])];
+    if (label < 0) label = count++;
+    labels.push_back(label);
+  }
+  return labels;
+}
 
 std::optional<PartUnion> UniteParts(const TriangleMesh& mesh, Progress& progress) {
   ValidateMesh(mesh, "union of parts");

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/progress.h"
 #include "core/triangle_mesh.h"
 
 namespace lfm {
+
+/// The part of each triangle, from 0 in the order of their first triangles; triangles that share a
+/// vertex, or are connected through such, are of one part.
+std::vector<int> LabelParts(const TriangleMesh& mesh);
 
 struct PartUnion {
   TriangleMesh mesh;  ///< vertices and triangles only

@@ -75,8 +75,9 @@ class Ranges {
   Eigen::Vector3d Confine(size_t vertex, Eigen::Vector3d position) const {
     const Eigen::Vector3d& home = home_[vertex];
     const double distance = (position - home).norm();
-    if (distance > longest_[vertex])
+    if (distance > longest_[vertex]) {
       position = home + longest_[vertex] / distance * (position - home);
+    }
     if (home.z() == 0) position.z() = 0;
     return position;
   }

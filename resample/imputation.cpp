@@ -17,8 +17,8 @@ using Eigen::Index;
 // Of the largest singular value: small against what is known of most rows and views, large against
 // noise where little is.
 constexpr float kRidge_rel = 1e-3F;
-// Of the views' factor: a turn that changes less than this leaves estimates as they are to a fifth
-// of an 8-bit level in the mean.
+// Of the views' factor: where a turn changes less, further ones bring little (docs/figures.md, Time
+// of resampling).
 constexpr float kSettled_rel = 3e-3F;
 
 /// Means of what is known of each row, and how much is known of each row and view.
@@ -198,7 +198,7 @@ class LowRankFit {
     }
   }
 
-  /// At most `sweeps` turns of both sides, until a turn changes no more than rounding would show.
+  /// At most `sweeps` turns of both sides, until one changes next to nothing (kSettled_rel).
   /// Without a ridge the data are zero, and so are the terms.
   void Descend(Entries& entries, int sweeps) {
     if (!(ridge_ > 0)) return;
