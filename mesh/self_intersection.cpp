@@ -55,39 +55,7 @@ std::vector<char> Widen(std::vector<char> marked, const TriangleMesh& mesh, int 
   return marked;
 }
 
-std::vector<double> LongestEdges(const TriangleMesh& mesh) {
-  std::vector<double> longest(mesh.vertices.size(), 0);
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k], b = t[(k + 1) % 3];
-      const double length = (mesh.vertices[a] - mesh.vertices[b]).norm();
-      longest[a] = std::max(longest[a], length);
-      longest[b] = std::max(longest[b], length);
-    }
-  }
-  return longest;
-}
-
-// How far from where it was a vertex may go.
-class Ranges {
- public:
-  explicit Ranges(const TriangleMesh& mesh) : home_(mesh.vertices), longest_(LongestEdges(mesh)) {}
-  Eigen::Vector3d Confine(size_t vertex, Eigen::Vector3d position) const {
-    const Eigen::Vector3d& home = home_[vertex];
-    const double distance = (position - home).norm();
-    if (distance > longest_[vertex]) {
-      position = home + longest_[vertex] / distance * (position - home);
-    }
-    if (home.z() == 0) position.z() = 0;
-    return position;
-  }
-
- private:
-  std::vector<Eigen::Vector3d> home_;
-  std::vector<double> longest_;
-};
-
-void MoveToNeighbors(TriangleMesh& mesh, const std::vector<char>& marked, const Ranges& ranges) {
+void MoveToNeighbors(TriangleMesh& mesh, const std::vector<char>& marked) {
   std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
   std::vector<int> counts(mesh.vertices.size(), 0);
   for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -98,7 +66,9 @@ void MoveToNeighbors(TriangleMesh& mesh, const std::vector<char>& marked, const 
   }
   for (size_t v = 0; v < marked.size(); ++v) {
     if (!marked[v] || counts[v] == 0) continue;
-    mesh.vertices[v] = ranges.Confine(v, 0.5 * mesh.vertices[v] + 0.5 * sums[v] / counts[v]);
+    const double height = mesh.vertices[v].z();
+    mesh.vertices[v] = 0.5 * mesh.vertices[v] + 0.5 * sums[v] / counts[v];
+    if (height == 0) mesh.vertices[v].z() = 0;
   }
 }
 
@@ -134,13 +104,12 @@ Untangled RemoveSelfIntersections(const TriangleMesh& mesh, const LeavePair& lea
   TriangleMesh moved;
   moved.vertices = mesh.vertices;
   moved.triangles = mesh.triangles;
-  const Ranges ranges(mesh);
   std::vector<std::pair<int, int>> pairs = FindSelfIntersections(moved);
   Untangled best{moved, static_cast<int>(pairs.size())};
   for (int round = 0; round < kRounds; ++round) {
     if (leave) std::erase_if(pairs, [&](const auto& p) { return leave(p.first, p.second); });
     if (pairs.empty()) break;
-    MoveToNeighbors(moved, Widen(CornersOf(pairs, mesh), mesh, round / 2), ranges);
+    MoveToNeighbors(moved, Widen(CornersOf(pairs, mesh), mesh, round / 2));
     pairs = FindSelfIntersections(moved);
     if (static_cast<int>(pairs.size()) < best.left) best = {moved, static_cast<int>(pairs.size())};
   }

@@ -24,9 +24,9 @@ using LeavePair = std::function<bool(int, int)>;
 
 /// Parts triangles that meet: the vertices about them, in rings that widen from round to round, go
 /// halfway to the middle of their neighbours, at most twelve rounds, of which the one that leaves
-/// the fewest pairs counts: where nothing can be parted, nothing moves. No vertex goes farther than
-/// the longest edge that it has at first. Vertices at z = 0 keep that height. Everything else stays
-/// as it is; the triangles' number and joints too. Pairs that `leave` names stay and are counted.
+/// the fewest pairs counts: where nothing can be parted, nothing moves. Vertices at z = 0 keep that
+/// height. Everything else stays as it is; the triangles' number and joints too. Pairs that `leave`
+/// names stay and are counted.
 Untangled RemoveSelfIntersections(const TriangleMesh& mesh, const LeavePair& leave = {});
 
 }  // namespace lfm
