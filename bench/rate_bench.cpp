@@ -107,8 +107,9 @@ std::vector<Point> CompareTargets(const Reference& reference) {
     fixed.push_back({psnr_db, static_cast<double>(bytes)});
     if (terms == 0 || terms == kMostTerms) continue;  // nothing to choose from
     const lfm::EncodeResult chosen = reference.Encode({.target_db = psnr_db});
-    const lfm::EncodeResult full =
-        reference.Encode({.target_db = psnr_db, .patch_detail = lfm::PatchDetail::kFull});
+    const lfm::EncodeResult full = reference.Encode({.target_db = psnr_db,
+                                                     .patch_detail = lfm::MapDetail::kFull,
+                                                     .view_detail = lfm::MapDetail::kFull});
     std::printf("| %d | %.2f dB | %lld | %.2f | %lld | %.1f %% | %lld |\n", terms, psnr_db,
                 static_cast<long long>(bytes), chosen.terms_mean,
                 static_cast<long long>(chosen.maps_bytes),
@@ -223,8 +224,9 @@ std::vector<Curve> CompareCoding(const Reference& reference, double psnr_db) {
   const auto jpeg_xl = [](lfm::LightFieldModel& model, double distance) {
     return ThroughJpegXl(model, static_cast<float>(distance));
   };
-  const lfm::EncodeResult maps =
-      reference.Encode({.target_db = psnr_db + kFiner_db, .patch_detail = lfm::PatchDetail::kFull});
+  const lfm::EncodeResult maps = reference.Encode({.target_db = psnr_db + kFiner_db,
+                                                   .patch_detail = lfm::MapDetail::kFull,
+                                                   .view_detail = lfm::MapDetail::kFull});
   std::printf("| way | terms a vertex | bytes | dense : 1 | PSNR |\n|---|---|---|---|---|\n");
   reference.Row("as many terms as needed, 8-bit maps", maps.terms_mean, maps.maps_bytes,
                 maps.matrix_psnr_db);

@@ -179,7 +179,7 @@ LightFieldModel AfxForm(const LightFieldModel& model, AfxViewMaps view_maps) {
   if (!HasWholeMaps(model)) {
     throw Error(
         "AFX is written of whole maps: leave --vq-ratio and --vq-db out and take --patch-detail "
-        "full, or leave --afx out");
+        "full and --view-detail full, or leave --afx out");
   }
   const LightFieldModel ordered =
       InPageOrder(model.surface_placements.empty() ? model : JoinSurfaceMaps(model));

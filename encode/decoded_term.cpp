@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "encode/decoded_term.h"
 
+#include <cmath>
+
+#include "encode/view_resolution.h"
+
 namespace lfm {
 namespace {
 
 constexpr int kProductWidth = 8;  // the narrowest that the kernels multiply
+
+int GridSide(size_t directions) {
+  return static_cast<int>(std::lround(std::sqrt(static_cast<double>(directions))));
+}
 
 }  // namespace
 
@@ -35,11 +43,19 @@ void DecodeSurface(const VertexOperator& f, const TermMaps& maps, DecodedTerm& d
   decoded.product = ProductWith(f, decoded.surface);
 }
 
+std::vector<float> DecodedView(const TermMaps& maps, int directions) {
+  std::vector<float> view;
+  view.reserve(maps.view_codes.size());
+  for (const uint8_t code : maps.view_codes) view.push_back(DecodeValue(maps.view_range, code));
+  if (view.size() == size_t{3} * directions) return view;
+  return ViewResampler(GridSide(view.size() / 3), GridSide(directions))(view);
+}
+
 void DecodeView(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {
+  const std::vector<float> view = DecodedView(maps, f.directions);
   decoded.view.resize(f.cols());
   for (int col = 0; col < f.cols(); ++col) {
-    const int q = col % f.directions, channel = col / f.directions;
-    decoded.view[col] = DecodeValue(maps.view_range, maps.view_codes[3 * q + channel]);
+    decoded.view[col] = view[3 * (col % f.directions) + col / f.directions];
   }
 }
 

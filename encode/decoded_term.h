@@ -21,6 +21,10 @@ double DotProduct(const std::vector<float>& a, const std::vector<float>& b);
 /// F^T u.
 std::vector<double> ProductWith(const VertexOperator& f, const std::vector<float>& surface);
 
+/// The values of a view map of any grid in the `directions` = grid^2 of the light field, 3 q +
+/// channel.
+std::vector<float> DecodedView(const TermMaps& maps, int directions);
+
 /// Sets `surface` and `product`, or `view`, from quantised maps.
 void DecodeSurface(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded);
 void DecodeView(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded);

@@ -235,7 +235,8 @@ void TakeCoarsened(Coarsened coarsened, const LightFieldSource& source, EncodeRe
 }  // namespace
 
 bool ChoosesDetail(const EncodeOptions& options) {
-  return options.patch_detail == PatchDetail::kAsNeeded &&
+  return (options.patch_detail == MapDetail::kAsNeeded ||
+          options.view_detail == MapDetail::kAsNeeded) &&
          options.factorization == Factorization::kPca &&
          options.terms == EncodeOptions::kAsNeeded && !(options.tolerance > 0) &&
          !options.compression.WantsAnything();
@@ -253,7 +254,8 @@ EncodeResult Encode(const LightFieldSource& blended, const EncodeOptions& option
   const Factors factors = Factorize(source, options, progress);
   const MapCosts costs =
       MeasureMapCosts(source, factors.edge_samples, factors.mean_view.codes, factors.vertices,
-                      ChoosesDetail(options) ? PatchDetail::kAsNeeded : PatchDetail::kFull);
+                      ChoosesDetail(options) ? MapDetails{options.patch_detail, options.view_detail}
+                                             : MapDetails{MapDetail::kFull, MapDetail::kFull});
   MapSelection maps = ChooseMaps(source, factors.edge_samples, costs, options, progress);
   EncodeResult result;
   result.unseen_triangles = factors.mean_view.unseen_triangles;

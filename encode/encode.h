@@ -34,11 +34,11 @@ struct EncodeOptions {
   double term_gain = 0.5;
   double tolerance = 0, target_db = 0, target_mb = 0;  ///< 0 = off; one at most
   int max_terms = 8;
-  PatchDetail patch_detail = PatchDetail::kAsNeeded;  ///< kFull where terms are not as needed
+  MapDetail patch_detail = MapDetail::kAsNeeded, view_detail = MapDetail::kAsNeeded;
   PcaSolver solver = PcaSolver::kFactored;
   Precision precision = Precision::kSingle;
   double guessed_weight = 0.2;
-  double transport_db = 52;  ///< 0 = no transport form
+  double transport_db = 50;  ///< 0 = no transport form
   double geometry_error = 0.18;
   int max_texture_size = 4096;
   int memory_mib = 0;
@@ -99,6 +99,11 @@ struct EncodeOptions {
                    "its mean view and of each term as are worth their bytes (as-needed), or all of "
                    "them (full)."},
                   {"as-needed", "full"}, patch_detail);
+    v.Enumeration({"view-detail",
+                   "Where terms are chosen as needed: each view map has the grid of the light "
+                   "field, half or a quarter of it, as is worth its bytes (as-needed), or all the "
+                   "same (full)."},
+                  {"as-needed", "full"}, view_detail);
     v.Enumeration({"solver",
                    "What finds the terms: products with the factors; the paper's power iteration; "
                    "or every singular value in double precision. The last two form each vertex's "
@@ -115,7 +120,8 @@ struct EncodeOptions {
              guessed_weight);
     v.Number({"transport-db",
               "Accuracy of the transport form, model.lfz, against the model (every sample of it, "
-              "whatever --patch-detail): bytes against PSNR (20 to 90); 0 = do not write it.",
+              "whatever --patch-detail and --view-detail): bytes against PSNR (20 to 90); 0 = do "
+              "not write it.",
               "dB", 0, 90},
              transport_db);
     v.Number({"geometry-error",
@@ -135,8 +141,8 @@ struct EncodeOptions {
   }
 };
 
-/// Whether these options let each triangle keep fewer samples of its maps: patch_detail is
-/// kAsNeeded, and terms are chosen by gain or by one of the targets, plain maps of them.
+/// Whether these options let maps keep fewer samples: patch_detail or view_detail is kAsNeeded, and
+/// terms are chosen by gain or by one of the targets, plain maps of them.
 bool ChoosesDetail(const EncodeOptions& options);
 
 struct EncodeResult {

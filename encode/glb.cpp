@@ -225,6 +225,7 @@ void AddPlaces(const LightFieldModel& model, json& extension, GlbBuilder& builde
     const json entry = first < k ? views[first] : json(AddIndices(indices, most, builder));
     views.push_back(entry);
   }
+  if (!model.view_tile_counts.empty()) extension["viewTileCounts"] = model.view_tile_counts;
 }
 
 json BlockPages(const std::vector<BlockPage>& pages, GlbBuilder& builder) {
@@ -246,7 +247,8 @@ json BlockPages(const std::vector<std::vector<BlockPage>>& terms, GlbBuilder& bu
 void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbBuilder& builder) {
   json extension = ExtensionGeometry(model, builder);
   AddPlaces(model, extension, builder);
-  extension["version"] = glb::kVersion;
+  const bool whole_views = model.view_tile_counts.empty();
+  extension["version"] = whole_views ? glb::kVersionOfWholeViews : glb::kVersion;
   extension["terms"] = model.terms;
   if (model.mean_in_terms) extension["meanInTerms"] = true;
   extension["grid"] = model.grid;

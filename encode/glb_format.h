@@ -6,8 +6,9 @@
 namespace lfm::glb {
 
 inline constexpr const char* kExtension = "LFM_surface_light_field";
-inline constexpr int kVersion = 3;
-inline constexpr int kOldestVersion = 2;  ///< still read: has no codebooks and no blocks
+inline constexpr int kVersion = 4;  ///< of models whose view maps have grids of their own
+inline constexpr int kVersionOfWholeViews = 3;  ///< of all others
+inline constexpr int kOldestVersion = 2;        ///< still read: has no codebooks and no blocks
 /// Of surface pages in blocks, by their planes; mean and view pages are bc1.
 inline constexpr const char* kOnePlane = "bc1";
 inline constexpr const char* kThreePlanes = "bc4";

@@ -110,6 +110,18 @@ void ReadPlaces(const Document& doc, const json& extension, LightFieldModel& mod
   for (const json& index : views) {
     model.view_codes.push_back(Indices(doc, json{{"indices", index}}, "indices", vertices, -1));
   }
+  if (!extension.contains("viewTileCounts")) return;
+  for (const json& counts : ListOfTerms(doc, extension, "viewTileCounts", model.terms)) {
+    ViewTileCounts& own = model.view_tile_counts.emplace_back();
+    doc.Require(counts.is_array() && counts.size() == own.size(),
+                "an entry of \"viewTileCounts\" is not a list of three");
+    for (size_t level = 0; level < own.size(); ++level) {
+      const json& count = counts[level];
+      doc.Require(count.is_number_unsigned() && count.get<uint64_t>() <= uint64_t{kAnyIndex},
+                  "an entry of \"viewTileCounts\" is out of range");
+      own[level] = count.get<int>();
+    }
+  }
 }
 
 void ReadBlocks(const Document& doc, const json& blocks, int64_t max_texels,

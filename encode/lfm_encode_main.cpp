@@ -113,11 +113,13 @@ int main(int argc, char** argv) {
       throw lfm::Error("--afx: AFX is written of whole maps; leave --vq-ratio and --vq-db out");
     }
     if (output.afx != Afx::kOff && lfm::ChoosesDetail(options)) {
-      if (given("patch-detail")) {
-        throw lfm::Error("--afx: AFX is written of whole maps; leave --patch-detail out");
+      if ((given("patch-detail") && options.patch_detail == lfm::MapDetail::kAsNeeded) ||
+          (given("view-detail") && options.view_detail == lfm::MapDetail::kAsNeeded)) {
+        throw lfm::Error(
+            "--afx: AFX is written of whole maps; leave --patch-detail and --view-detail out");
       }
-      options.patch_detail = lfm::PatchDetail::kFull;
-      progress.Note("AFX is written of whole maps: --patch-detail full");
+      options.patch_detail = options.view_detail = lfm::MapDetail::kFull;
+      progress.Note("AFX is written of whole maps: --patch-detail full --view-detail full");
     }
     lfm::RequireWritableFolder(work / "encode");
     const lfm::LightField light_field = lfm::LightField::Open(work / "resample" / "light_field.lfs",

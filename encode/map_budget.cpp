@@ -24,7 +24,7 @@ int64_t LaidOutBytes(const LightFieldSource& source, std::span<const int> edge_s
   if (!ChoosesDetail(options)) {
     return SeparateSurfaceMaps(whole, options.max_texture_size).MapsBytes();
   }
-  return LayOutCoarsened(whole, maps.levels, options.max_texture_size).MapsBytes();
+  return LayOutCoarsened(whole, maps, options.max_texture_size).MapsBytes();
 }
 
 int64_t Entries(const MapCosts& costs) {
@@ -44,10 +44,11 @@ double Reached(const MapCosts& costs, double squared_error) {
 void RequireRoomForMeanView(const LightFieldSource& source, std::span<const int> edge_samples,
                             const EncodeOptions& options) {
   if (!(options.target_mb > 0)) return;
-  MapSelection none{std::vector<int>(source.mesh.vertices.size(), 0), {}};
+  MapSelection none{std::vector<int>(source.mesh.vertices.size(), 0), {}, {}};
   for (const int n : edge_samples) {
     none.levels.push_back({static_cast<uint8_t>(EdgeSampleLevels(n).size() - 1)});
   }
+  none.view_levels.resize(none.terms.size());
   const double least = static_cast<double>(LaidOutBytes(source, edge_samples, none, options));
   if (least <= options.target_mb * 1e6) return;
   char text[160];
@@ -96,7 +97,7 @@ Coarsened CoarsenToTarget(
   progress.Start("coarsening maps", has_target ? kTrials : 1);
   const auto coarsen = [&](const MapSelection& maps) {
     Coarsened coarse{maps,
-                     CoarsenMaps(source, whole(maps.terms), maps.levels, options.guessed_weight,
+                     CoarsenMaps(source, whole(maps.terms), maps, options.guessed_weight,
                                  options.max_texture_size),
                      {}};
     coarse.errors = CompareByTerms(source, coarse.model);
@@ -121,7 +122,8 @@ Coarsened CoarsenToTarget(
   if (best.errors.back().squared_error > allowed) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "coarser maps reach %.2f dB of the %g dB asked for; take --patch-detail full",
+                  "coarser maps reach %.2f dB of the %g dB asked for; take --patch-detail full or "
+                  "--view-detail full",
                   Reached(costs, best.errors.back().squared_error), options.target_db);
     progress.Note(text);
   }

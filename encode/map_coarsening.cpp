@@ -12,6 +12,7 @@
 #include "encode/quantization.h"
 #include "encode/separate_layout.h"
 #include "encode/view_refit.h"
+#include "encode/view_resolution.h"
 
 namespace lfm {
 namespace {
@@ -101,6 +102,37 @@ void AddTermErrors(const LightFieldSource& source, std::span<const int> ring, in
   }
 }
 
+// To a coarser grid and back.
+struct GridChange {
+  ViewResampler to, back;
+};
+
+// Of each term at each grid, the finest (no change) first.
+std::vector<float> ViewErrors(std::span<const TermMaps> terms,
+                              std::span<const GridChange> coarser) {
+  std::vector<float> errors;
+  for (const TermMaps& maps : terms) {
+    double energy = 0;
+    for (const uint8_t code : maps.surface_codes) {
+      const double value = DecodeValue(maps.surface_range, code);
+      energy += value * value;
+    }
+    const double scale = maps.view_range.scale / 255;
+    const std::vector<float> values = AsFloats(maps.view_codes, 0, 1);
+    errors.push_back(0);
+    for (const GridChange& change_of_grid : coarser) {
+      const std::vector<float> back = change_of_grid.back(change_of_grid.to(values));
+      double error = 0;
+      for (size_t i = 0; i < values.size(); ++i) {
+        const double change = static_cast<double>(values[i]) - back[i];
+        error += change * change;
+      }
+      errors.push_back(static_cast<float>(error * scale * scale * energy));
+    }
+  }
+  return errors;
+}
+
 int AtLevel(int n, int level) { return EdgeSampleLevels(n)[static_cast<size_t>(level)]; }
 
 // Whether no completion beyond a hypotenuse leaves the range's codes.
@@ -142,6 +174,15 @@ void CoarsenSurface(const LightFieldModel& model, std::span<const int> ring,
   }
 }
 
+// Codes of the same range, clamped to it.
+void ChangeViewGrid(int from, int to, TermMaps& maps) {
+  const std::vector<float> values = ViewResampler(from, to)(AsFloats(maps.view_codes, 0, 1));
+  maps.view_codes.clear();
+  for (const float value : values) {
+    maps.view_codes.push_back(static_cast<uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f)));
+  }
+}
+
 void WriteCoarserMeans(const LightFieldModel& from, LightFieldModel& to) {
   std::vector<std::vector<float>> means;
   std::vector<int> edge_samples;
@@ -175,6 +216,9 @@ void WriteCoarserTerms(const LightFieldModel& from, LightFieldModel& to) {
       CoarsenSurface(from, ring, edge_samples,
                      terms.emplace_back(ReadVertexTerm(from, ring, vertex, k)));
     }
+    for (int k = 0; k < from.vertex_terms[v]; ++k) {
+      ChangeViewGrid(from.grid, to.ViewTile(k, vertex).grid, terms[k]);
+    }
     WriteVertexTerms(ring, terms, vertex, to);
   });
 }
@@ -183,14 +227,18 @@ void WriteCoarserTerms(const LightFieldModel& from, LightFieldModel& to) {
 
 MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> edge_samples,
                          std::span<const std::vector<uint8_t>> mean_codes,
-                         std::span<const VertexTerms> vertices, PatchDetail detail) {
-  MapCosts costs{source.mesh, {}, {}, {}, int64_t{3} * source.grid * source.grid};
+                         std::span<const VertexTerms> vertices, const MapDetails& details) {
+  MapCosts costs{source.mesh, {}, {}, {}, {}, {}};
   for (const VertexTerms& vertex : vertices) {
     costs.squared_errors.push_back(vertex.squared_errors);
     costs.entries.push_back(vertex.entries);
   }
   const auto triangles = static_cast<int64_t>(edge_samples.size());
-  const bool coarser = detail == PatchDetail::kAsNeeded;
+  const bool coarser = details.patches == MapDetail::kAsNeeded;
+  const std::vector<int> grids = details.views == MapDetail::kAsNeeded
+                                     ? ViewGridLevels(source.grid)
+                                     : std::vector<int>{source.grid};
+  for (const int grid : grids) costs.view_bytes.push_back(int64_t{3} * grid * grid);
   // Ranges of both maps, and two indices of 16 bits.
   costs.rank_bytes = static_cast<int64_t>(vertices.size() * 2 * sizeof(MapRange)) +
                      2 * (triangles + static_cast<int64_t>(vertices.size()));
@@ -212,11 +260,17 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
         patch.term_errors.assign(3 * terms * patch.levels(), 0.f);
       },
       16);
-  if (!coarser) return costs;
   const VertexRings rings = ComputeVertexRings(source.mesh);
+  costs.view_errors.resize(vertices.size());
+  std::vector<GridChange> coarser_grids;
+  for (size_t g = 1; g < grids.size(); ++g) {
+    coarser_grids.push_back({{source.grid, grids[g]}, {grids[g], source.grid}});
+  }
   ParallelFor(
       0, static_cast<int64_t>(vertices.size()),
       [&](int64_t v) {
+        costs.view_errors[v] = ViewErrors(vertices[v].terms, coarser_grids);
+        if (!coarser) return;
         AddTermErrors(source, rings.Ring(v), static_cast<int>(v), edge_samples, vertices[v].terms,
                       costs.patches);
       },
@@ -224,19 +278,20 @@ MapCosts MeasureMapCosts(const LightFieldSource& source, std::span<const int> ed
   return costs;
 }
 
-LightFieldModel LayOutCoarsened(const LightFieldModel& model,
-                                std::span<const std::vector<uint8_t>> levels,
+LightFieldModel LayOutCoarsened(const LightFieldModel& model, const MapSelection& maps,
                                 int max_texture_size) {
-  return LayOutSeparately(
-      model,
-      [&](int t, int layer) { return AtLevel(model.placements[t].edge_samples, levels[t][layer]); },
-      max_texture_size);
+  return LayOutSeparately(model,
+                          {[&](int t, int layer) {
+                             return AtLevel(model.placements[t].edge_samples,
+                                            maps.levels[t][layer]);
+                           },
+                           [&](int vertex, int term) { return maps.view_levels[vertex][term]; }},
+                          max_texture_size);
 }
 
 LightFieldModel CoarsenMaps(const LightFieldSource& source, const LightFieldModel& model,
-                            std::span<const std::vector<uint8_t>> levels, double guessed_weight,
-                            int max_texture_size) {
-  LightFieldModel coarse = LayOutCoarsened(model, levels, max_texture_size);
+                            const MapSelection& maps, double guessed_weight, int max_texture_size) {
+  LightFieldModel coarse = LayOutCoarsened(model, maps, max_texture_size);
   WriteCoarserMeans(model, coarse);
   WriteCoarserTerms(model, coarse);
   coarse = FillGutters(std::move(coarse));

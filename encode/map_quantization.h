@@ -14,7 +14,7 @@ namespace lfm {
 struct TermMaps {
   MapRange surface_range, view_range;
   std::vector<uint8_t> surface_codes;  ///< M, samples of the ring's triangles one after the other
-  std::vector<uint8_t> view_codes;     ///< 3 q + channel, N directions
+  std::vector<uint8_t> view_codes;     ///< 3 q + channel, of the directions of the view map's grid
 };
 
 /// The values that a map takes, and 0.

@@ -27,17 +27,19 @@ int BestTerms(const MapCosts& costs, const VertexRings& rings, int vertex, doubl
               const std::vector<int>& terms) {
   const std::vector<double>& errors = costs.squared_errors[vertex];
   int best = 0;
-  double patches = 0, least = errors[0];
+  double maps = 0, least = errors[0];
   for (int k = 1; k < static_cast<int>(errors.size()); ++k) {
     for (int e = rings.offsets[vertex]; e < rings.offsets[vertex + 1]; ++e) {
       const Eigen::Vector3i& corners = costs.mesh.triangles[rings.triangles[e]];
       const PatchCosts& patch = costs.patches[rings.triangles[e]];
       const int own = corners[0] == vertex ? 1 : corners[1] == vertex ? 2 : 4;
       const int others = CornersWith(corners, k - 1, terms) & ~own;
-      patches +=
-          patch.TermCost(k - 1, others | own, lambda) - patch.TermCost(k - 1, others, lambda);
+      maps += patch.TermCost(k - 1, others | own, lambda) - patch.TermCost(k - 1, others, lambda);
     }
-    const double cost = errors[k] + patches + lambda * static_cast<double>(k * costs.view_bytes);
+    const int grid = costs.BestViewGrid(vertex, k - 1, lambda);
+    maps +=
+        costs.ViewError(vertex, k - 1, grid) + lambda * static_cast<double>(costs.view_bytes[grid]);
+    const double cost = errors[k] + maps;
     if (cost < least) {
       least = cost;
       best = k;
@@ -47,7 +49,7 @@ int BestTerms(const MapCosts& costs, const VertexRings& rings, int vertex, doubl
 }
 
 MapSelection WithLevels(const MapCosts& costs, std::vector<int> terms, double lambda) {
-  MapSelection maps{std::move(terms), {}};
+  MapSelection maps{std::move(terms), {}, {}};
   for (size_t t = 0; t < costs.patches.size(); ++t) {
     const Eigen::Vector3i& corners = costs.mesh.triangles[t];
     std::vector<uint8_t>& levels = maps.levels.emplace_back();
@@ -55,6 +57,12 @@ MapSelection WithLevels(const MapCosts& costs, std::vector<int> terms, double la
     for (int k = 0; k < TermsOf(corners, maps.terms); ++k) {
       levels.push_back(static_cast<uint8_t>(
           costs.patches[t].BestTermLevel(k, CornersWith(corners, k, maps.terms), lambda)));
+    }
+  }
+  for (size_t v = 0; v < maps.terms.size(); ++v) {
+    std::vector<uint8_t>& grids = maps.view_levels.emplace_back();
+    for (int k = 0; k < maps.terms[v]; ++k) {
+      grids.push_back(static_cast<uint8_t>(costs.BestViewGrid(static_cast<int>(v), k, lambda)));
     }
   }
   return maps;
@@ -169,9 +177,25 @@ double PatchCosts::TermCost(int term, int corners, double lambda) const {
   return TermError(term, corners, level) + lambda * static_cast<double>(term_bytes[level]);
 }
 
+int MapCosts::BestViewGrid(int vertex, int term, double lambda) const {
+  int best = 0;
+  const auto cost = [&](int grid) {
+    return ViewError(vertex, term, grid) + lambda * static_cast<double>(view_bytes[grid]);
+  };
+  for (int grid = 1; grid < grids(); ++grid) {
+    if (cost(grid) < cost(best)) best = grid;
+  }
+  return best;
+}
+
 double MapCosts::SquaredError(const MapSelection& maps) const {
   double sum = 0;
-  for (size_t v = 0; v < maps.terms.size(); ++v) sum += squared_errors[v][maps.terms[v]];
+  for (size_t v = 0; v < maps.terms.size(); ++v) {
+    sum += squared_errors[v][maps.terms[v]];
+    for (int k = 0; k < maps.terms[v]; ++k) {
+      sum += ViewError(static_cast<int>(v), k, maps.view_levels[v][k]);
+    }
+  }
   for (size_t t = 0; t < patches.size(); ++t) {
     const std::vector<uint8_t>& levels = maps.levels[t];
     sum += patches[t].mean_errors[levels[0]];
@@ -184,7 +208,9 @@ double MapCosts::SquaredError(const MapSelection& maps) const {
 
 int64_t MapCosts::Bytes(const MapSelection& maps) const {
   int64_t bytes = MostTerms(maps.terms) * rank_bytes;
-  for (const int k : maps.terms) bytes += k * view_bytes;
+  for (const auto& grids : maps.view_levels) {
+    for (const uint8_t grid : grids) bytes += view_bytes[grid];
+  }
   for (size_t t = 0; t < patches.size(); ++t) {
     const std::vector<uint8_t>& levels = maps.levels[t];
     bytes += patches[t].mean_bytes[levels[0]];
@@ -219,7 +245,7 @@ MapSelection MapsForLambda(const MapCosts& costs, double lambda) {
 
 MapSelection MapsForGain(const MapCosts& costs, double rms) {
   const auto vertices = static_cast<double>(costs.entries.size());
-  double bytes = vertices * static_cast<double>(costs.view_bytes);
+  double bytes = vertices * static_cast<double>(costs.view_bytes.front());
   for (const PatchCosts& patch : costs.patches) {
     bytes += static_cast<double>(patch.term_bytes.front());
   }

@@ -29,11 +29,12 @@ struct PatchCosts {
   double TermCost(int term, int corners, double lambda) const;
 };
 
-/// How many terms each vertex gets, and in which resolution each triangle keeps its maps.
+/// How many terms each vertex gets, and in which resolution triangles and vertices keep their maps.
 struct MapSelection {
   std::vector<int> terms;  ///< V
   /// T; the level of the mean view, then of the surface maps of each term that the triangle has.
   std::vector<std::vector<uint8_t>> levels;
+  std::vector<std::vector<uint8_t>> view_levels;  ///< V; the grid of each of the vertex's view maps
   bool operator==(const MapSelection&) const = default;
 };
 
@@ -44,10 +45,20 @@ struct MapCosts {
   std::vector<std::vector<double>> squared_errors;
   std::vector<int64_t> entries;     ///< V; of the vertex's matrix
   std::vector<PatchCosts> patches;  ///< T
-  int64_t view_bytes = 0;           ///< of one view map
+  /// Of one view map at each grid (ViewGridLevels), finest first; one at least.
+  std::vector<int64_t> view_bytes;
+  /// V; squared error that the grid of a vertex's view map adds, `[term * grids + grid]`; empty
+  /// with one grid.
+  std::vector<std::vector<float>> view_errors;
   /// Of the tables that hold an entry a vertex or triangle for each term that any vertex has.
   int64_t rank_bytes = 0;
 
+  int grids() const { return static_cast<int>(view_bytes.size()); }
+  double ViewError(int vertex, int term, int grid) const {
+    return grid == 0 ? 0 : view_errors[vertex][static_cast<size_t>(term) * grids() + grid];
+  }
+  /// The grid that minimises error + lambda x bytes; the first of equals.
+  int BestViewGrid(int vertex, int term, double lambda) const;
   /// As estimated: what levels add is added up.
   double SquaredError(const MapSelection& maps) const;
   /// Of all maps and their tables, without gaps between patches.

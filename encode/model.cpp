@@ -35,10 +35,30 @@ bool HoldsPatch(const std::vector<Image>& pages, const PatchPlacement& placement
          std::max(a.x(), b.x()) < page.width() && std::max(a.y(), b.y()) < page.height();
 }
 
-bool HoldsTile(const std::vector<Image>& pages, const LightFieldModel::TilePosition& tile,
-               int grid) {
+bool HoldsTile(const std::vector<Image>& pages, const LightFieldModel::TilePosition& tile) {
   return tile.page < static_cast<int>(pages.size()) && tile.x >= 0 && tile.y >= 0 &&
-         tile.x + grid <= pages[tile.page].width() && tile.y + grid <= pages[tile.page].height();
+         tile.x + tile.grid <= pages[tile.page].width() &&
+         tile.y + tile.grid <= pages[tile.page].height();
+}
+
+// Counts are small enough to be added up, the last of the grids is one, and every vertex's map has
+// a number below what they add up to.
+bool CountsHold(const LightFieldModel& model, size_t term) {
+  if (model.view_tile_counts.empty()) return true;
+  constexpr int kMostTiles = 1 << 26;
+  int64_t maps = 0;
+  for (int level = 0; level < static_cast<int>(ViewTileCounts{}.size()); ++level) {
+    const int count = model.view_tile_counts[term][level];
+    if (count < 0 || count > kMostTiles) return false;
+    if (count > 0 && (model.grid % (1 << level) != 0 || model.grid >> level < 2)) return false;
+    maps += int64_t{count} << (2 * level);
+  }
+  for (size_t v = 0; v < model.vertex_terms.size(); ++v) {
+    if (model.vertex_terms[v] > static_cast<int>(term) && model.view_codes[term][v] >= maps) {
+      return false;
+    }
+  }
+  return true;
 }
 
 bool FitPages(const std::vector<BlockPage>& blocks, const std::vector<Image>& pages, int planes) {
@@ -109,6 +129,12 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
               int64_t{(model.view_tiles_per_page - 1) / model.view_tiles_per_row} * model.grid <=
                   kMostSide,
           "its view tiles have no place");
+  require(model.view_tile_counts.empty() ||
+              (model.view_tile_counts.size() == terms && !model.view_codes.empty()),
+          "its view maps have grids of their own without numbers");
+  for (size_t k = 0; k < terms; ++k) {
+    require(CountsHold(model, k), "its view maps do not fill its view tiles");
+  }
   bool rgb = AllRgb8(model.mean_pages);
   for (size_t k = 0; k < terms; ++k) {
     rgb = rgb && AllRgb8(model.surface_pages[k]) && AllRgb8(model.view_pages[k]);
@@ -122,7 +148,7 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
     require(own >= 0 && own <= model.terms, "a vertex has more terms than the model");
     for (int k = 0; k < own; ++k) {
       require(model.view_codes.empty() || model.view_codes[k][v] >= 0, "a view map has no tile");
-      require(HoldsTile(model.view_pages[k], model.ViewTile(k, static_cast<int>(v)), model.grid),
+      require(HoldsTile(model.view_pages[k], model.ViewTile(k, static_cast<int>(v))),
               "a view tile does not lie inside its page");
     }
   }
@@ -136,6 +162,27 @@ void ValidateModel(const LightFieldModel& model, const std::string& name) {
     }
     require(inside, "a patch does not lie inside its page");
   }
+}
+
+LightFieldModel::TilePosition LightFieldModel::ViewMapAt(int term, int number) const {
+  int tile = number, own = grid, x = 0, y = 0;
+  if (!view_tile_counts.empty()) {
+    const ViewTileCounts& counts = view_tile_counts[term];
+    int level = 0, first = 0, within = number;
+    while (level + 1 < static_cast<int>(counts.size()) && within >= int64_t{counts[level]}
+                                                                        << (2 * level)) {
+      within -= counts[level] << (2 * level);
+      first += counts[level++];
+    }
+    const int side = 1 << level;
+    own = grid >> level;
+    tile = first + within / (side * side);
+    x = within % side * own;
+    y = within / side % side * own;
+  }
+  const int in_page = tile % view_tiles_per_page;
+  return {tile / view_tiles_per_page, in_page % view_tiles_per_row * grid + x,
+          in_page / view_tiles_per_row * grid + y, own};
 }
 
 bool LightFieldModel::IsGuessed(int vertex, int q) const {

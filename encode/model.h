@@ -31,6 +31,10 @@ struct PatchPlacement {
   bool operator==(const PatchPlacement&) const = default;
 };
 
+/// How many tiles of view pages hold one map of the model's grid, four of half of it, sixteen of a
+/// quarter.
+using ViewTileCounts = std::array<int, 3>;
+
 /// A surface light field in factored, quantised form: what `model.glb` holds and the renderers show
 /// (Chen 2002, Equations 3 and 6). Colours are sRGB-coded, [0, 1].
 ///
@@ -70,12 +74,15 @@ struct LightFieldModel {
 
   /// Where surface maps lie by themselves, as in what Encode returns, K lists each; or empty:
   /// `surface_placements[k][t]` is where triangle t's surface maps of term k lie,
-  /// `view_codes[k][v]` the tile of vertex v. They have no gutters beyond their legs, and may have
-  /// fewer samples than the mean view. With vector quantisation (Chen 2002, Section 5) several
-  /// triangles share a patch (of the mean view too, which `placements` shows), and several
-  /// vertices a tile.
+  /// `view_codes[k][v]` the number of vertex v's view map. They have no gutters beyond their legs,
+  /// and may have fewer samples than the mean view. With vector quantisation (Chen 2002, Section 5)
+  /// several triangles share a patch (of the mean view too, which `placements` shows), and several
+  /// vertices a view map.
   std::vector<std::vector<PatchPlacement>> surface_placements;
   std::vector<std::vector<int>> view_codes;
+  /// Where view maps have grids of their own, one a term; or empty. The tiles follow each other in
+  /// this order, and maps are numbered in it, row by row within a tile.
+  std::vector<ViewTileCounts> view_tile_counts;
   /// Pages in blocks, as graphics cards read them: none, or all; pages hold what they decode to.
   struct Blocks {
     std::vector<BlockPage> mean;
@@ -94,14 +101,11 @@ struct LightFieldModel {
   }
   struct TilePosition {
     int page, x, y;  ///< top-left texel
+    int grid;        ///< texels a side
   };
-  TilePosition TileAt(int tile) const {
-    const int in_page = tile % view_tiles_per_page;
-    return {tile / view_tiles_per_page, in_page % view_tiles_per_row * grid,
-            in_page / view_tiles_per_row * grid};
-  }
+  TilePosition ViewMapAt(int term, int number) const;
   TilePosition ViewTile(int term, int vertex) const {
-    return TileAt(view_codes.empty() ? view_slots[vertex] : view_codes[term][vertex]);
+    return ViewMapAt(term, view_codes.empty() ? view_slots[vertex] : view_codes[term][vertex]);
   }
   /// Terms that the triangle's surface maps have: the most of its corners.
   int TriangleTerms(int triangle) const {

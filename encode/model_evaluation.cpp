@@ -48,8 +48,9 @@ Tap SurfaceTap(const PatchPlacement& placement, int page_width, const Eigen::Vec
   return tap;
 }
 
-Tap ViewTap(int grid, const LightFieldModel::TilePosition& tile, int page_width,
+Tap ViewTap(const LightFieldModel::TilePosition& tile, int page_width,
             const Eigen::Vector2d& square) {
+  const int grid = tile.grid;
   const double x = std::clamp(square.x(), 0.0, 1.0) * (grid - 1);
   const double y = std::clamp(square.y(), 0.0, 1.0) * (grid - 1);
   const int i = std::min(static_cast<int>(x), grid - 2);
@@ -105,7 +106,7 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
       const LightFieldModel::TilePosition tile = model.ViewTile(k, vertex);
       const Image& page = model.view_pages[k][tile.page];
       const float g = DecodeValue(model.surface_ranges[range], surface_codes[k][c]);
-      const Eigen::Vector3f h = Sample(page, ViewTap(model.grid, tile, page.width(), square));
+      const Eigen::Vector3f h = Sample(page, ViewTap(tile, page.width(), square));
       const MapRange& view_range = model.view_ranges[range];
       color.array() += g * (view_range.scale / 255 * h.array() + view_range.bias);
     }

@@ -43,8 +43,8 @@ std::vector<uint8_t> ReadPatch(const Image& page, const PatchPlacement& placemen
 
 void WriteTile(const std::vector<uint8_t>& codes, int term,
                const LightFieldModel::TilePosition& tile, LightFieldModel& model) {
-  for (int row = 0; row < model.grid; ++row) {
-    std::copy_n(codes.data() + size_t{3} * row * model.grid, 3 * model.grid,
+  for (int row = 0; row < tile.grid; ++row) {
+    std::copy_n(codes.data() + size_t{3} * row * tile.grid, 3 * tile.grid,
                 &model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row));
   }
 }
@@ -135,10 +135,10 @@ TermMaps ReadVertexTerm(const LightFieldModel& model, std::span<const int> ring,
     maps.surface_codes.insert(maps.surface_codes.end(), codes.begin(), codes.end());
   }
   const LightFieldModel::TilePosition tile = model.ViewTile(term, vertex);
-  maps.view_codes.resize(size_t{3} * model.grid * model.grid);
-  for (int row = 0; row < model.grid; ++row) {
-    std::copy_n(&model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row),
-                3 * model.grid, maps.view_codes.data() + size_t{3} * row * model.grid);
+  maps.view_codes.resize(size_t{3} * tile.grid * tile.grid);
+  for (int row = 0; row < tile.grid; ++row) {
+    std::copy_n(&model.view_pages[term][tile.page].At<uint8_t>(tile.x, tile.y + row), 3 * tile.grid,
+                maps.view_codes.data() + size_t{3} * row * tile.grid);
   }
   return maps;
 }

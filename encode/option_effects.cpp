@@ -20,7 +20,10 @@ void RequireEffect(const EncodeOptions& options,
       {"term-gain", target, "with --tolerance, --target-db or --target-mb, which stand in for it"},
       {"max-terms", nonnegative, "with --factorization nmf, where --terms says how many"},
       {"max-terms", terms_are_fixed, "with --terms, which says how many"},
-      {"patch-detail", options.patch_detail == PatchDetail::kAsNeeded && !ChoosesDetail(options),
+      {"patch-detail", options.patch_detail == MapDetail::kAsNeeded && !ChoosesDetail(options),
+       "as as-needed with --terms, --tolerance, nmf, codebooks or blocks, which keep all samples "
+       "or choose their own"},
+      {"view-detail", options.view_detail == MapDetail::kAsNeeded && !ChoosesDetail(options),
        "as as-needed with --terms, --tolerance, nmf, codebooks or blocks, which keep all samples "
        "or choose their own"},
       {"fill", nonnegative && options.fill == DirectionFill::kMirror,

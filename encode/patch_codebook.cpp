@@ -145,7 +145,7 @@ LightFieldModel ShareViewMaps(LightFieldModel model, std::span<const FittedViews
       const MapRange range = ViewRange(*low, *high);
       std::vector<uint8_t> texels;
       for (const float value : values) texels.push_back(QuantizeValue(range, value));
-      WriteTile(texels, k, model.TileAt(code), model);
+      WriteTile(texels, k, model.ViewMapAt(k, code), model);
     }
   }
   return model;

@@ -2,6 +2,7 @@
 #include "encode/separate_layout.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -28,8 +29,6 @@ LightFieldModel WithoutPages(const LightFieldModel& model) {
   other.view_slots = model.view_slots;
   other.surface_ranges = model.surface_ranges;
   other.view_ranges = model.view_ranges;
-  other.view_tiles_per_row = model.view_tiles_per_row;
-  other.view_tiles_per_page = model.view_tiles_per_page;
   return other;
 }
 
@@ -48,6 +47,44 @@ void CopyMaps(const LightFieldModel& from, LightFieldModel& to) {
   });
 }
 
+// Of each term the maps of the model's grid first, then smaller ones; among equals, vertices with
+// more terms.
+void PlaceSeparateViews(const std::function<int(int vertex, int term)>& level_of,
+                        int max_texture_size, LightFieldModel& model) {
+  const size_t vertices = model.vertex_terms.size();
+  std::vector<size_t> order(vertices);
+  for (size_t v = 0; v < vertices; ++v) order[model.view_slots[v]] = v;
+  int most = 0;
+  bool any_smaller = false;
+  model.view_codes.assign(model.terms, std::vector<int>(vertices, 0));
+  std::vector<ViewTileCounts> counts(model.terms, ViewTileCounts{});
+  for (int k = 0; k < model.terms; ++k) {
+    int first = 0;
+    for (int level = 0; level < static_cast<int>(counts[k].size()); ++level) {
+      const int maps_a_tile = 1 << (2 * level);
+      int maps = 0;
+      for (const size_t v : order) {
+        const bool has = model.vertex_terms[v] > k;
+        if (has && level == (level_of ? level_of(static_cast<int>(v), k) : 0)) {
+          model.view_codes[k][v] = first + maps++;
+        }
+      }
+      counts[k][level] = (maps + maps_a_tile - 1) / maps_a_tile;
+      first += counts[k][level] * maps_a_tile;
+      any_smaller = any_smaller || (level > 0 && maps > 0);
+    }
+    most = std::max(most, std::accumulate(counts[k].begin(), counts[k].end(), 0));
+  }
+  const ViewLayout layout = PlaceViews(most, model.grid, max_texture_size);
+  model.view_tiles_per_row = layout.tiles_per_row;
+  model.view_tiles_per_page = layout.tiles_per_page;
+  for (const ViewTileCounts& own : counts) {
+    model.view_pages.push_back(
+        MakePages(ViewPageSizes(layout, std::accumulate(own.begin(), own.end(), 0), model.grid)));
+  }
+  if (any_smaller) model.view_tile_counts = std::move(counts);
+}
+
 // What stands beyond the hypotenuses, where there is room.
 void Complete(const SeparateSpacing& spacing, LightFieldModel& model) {
   for (int t = 0; t < static_cast<int>(model.placements.size()); ++t) {
@@ -63,13 +100,12 @@ void Complete(const SeparateSpacing& spacing, LightFieldModel& model) {
 
 }  // namespace
 
-LightFieldModel LayOutSeparately(const LightFieldModel& model,
-                                 const std::function<int(int triangle, int layer)>& edge_samples,
+LightFieldModel LayOutSeparately(const LightFieldModel& model, const SeparateSizes& wanted,
                                  int max_texture_size, const SeparateSpacing& spacing) {
   LightFieldModel separate = WithoutPages(model);
   const auto triangles = static_cast<int>(model.mesh.triangles.size());
   std::vector<int> sizes;
-  for (int t = 0; t < triangles; ++t) sizes.push_back(edge_samples(t, 0));
+  for (int t = 0; t < triangles; ++t) sizes.push_back(wanted.edge_samples(t, 0));
   PatchLayout mean =
       PlacePatches(sizes, {}, max_texture_size, spacing.mean, spacing.mean_alignment);
   separate.placements = std::move(mean.placements);
@@ -80,7 +116,7 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
     for (int t = 0; t < triangles; ++t) {
       if (model.TriangleTerms(t) <= k) continue;
       owners.push_back(t);
-      sizes.push_back(edge_samples(t, k + 1));
+      sizes.push_back(wanted.edge_samples(t, k + 1));
     }
     const PatchLayout layout =
         PlacePatches(sizes, {}, max_texture_size, spacing.surface, spacing.surface_alignment);
@@ -89,27 +125,20 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
     for (size_t i = 0; i < owners.size(); ++i) {
       separate.surface_placements[k][owners[i]] = layout.placements[i];
     }
-    std::vector<Eigen::Vector2i> view_sizes;
-    for (const Image& page : model.view_pages[k]) {
-      view_sizes.emplace_back(page.width(), page.height());
-    }
-    separate.view_pages.push_back(MakePages(view_sizes));
-    std::vector<int>& tiles = separate.view_codes.emplace_back(model.view_slots);
-    for (size_t v = 0; v < tiles.size(); ++v) tiles[v] *= model.vertex_terms[v] > k ? 1 : 0;
   }
+  PlaceSeparateViews(wanted.view_level, max_texture_size, separate);
   return separate;
 }
 
 LightFieldModel SeparateSurfaceMaps(const LightFieldModel& model, int max_texture_size,
                                     const SeparateSpacing& spacing) {
   if (model.terms == 0 && spacing.mean_alignment == PatchAlignment::kTexels) return model;
-  LightFieldModel separate = LayOutSeparately(
-      model,
-      [&](int t, int layer) {
-        return layer == 0 ? model.placements[t].edge_samples
-                          : model.SurfacePlacement(layer - 1, t).edge_samples;
-      },
-      max_texture_size, spacing);
+  LightFieldModel separate =
+      LayOutSeparately(model, {[&](int t, int layer) {
+                         return layer == 0 ? model.placements[t].edge_samples
+                                           : model.SurfacePlacement(layer - 1, t).edge_samples;
+                       }},
+                       max_texture_size, spacing);
   CopyMaps(model, separate);
   if (spacing.mean == PatchSpacing::kNeighbors) return FillGutters(std::move(separate));
   Complete(spacing, separate);
@@ -117,6 +146,7 @@ LightFieldModel SeparateSurfaceMaps(const LightFieldModel& model, int max_textur
 }
 
 bool HasWholeMaps(const LightFieldModel& model) {
+  if (!model.view_tile_counts.empty()) return false;
   const auto triangles = static_cast<int>(model.placements.size());
   if (FindSharedPlacements(model.placements).codes.size() < model.placements.size()) return false;
   for (int k = 0; k < model.terms; ++k) {

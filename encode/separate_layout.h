@@ -16,13 +16,20 @@ struct SeparateSpacing {
   PatchAlignment surface_alignment = PatchAlignment::kTexels;
 };
 
-/// A model of the same mesh, terms, ranges and view tiles with nothing in its pages, whose mean
-/// views and surface maps of each term lie by themselves (`surface_placements`, `view_codes`).
-/// `edge_samples(t, 0)` are those of triangle t's mean view, `edge_samples(t, k + 1)` those of its
-/// surface maps of term k, asked for triangles that have the term. `model` may be without pages of
-/// patches.
-LightFieldModel LayOutSeparately(const LightFieldModel& model,
-                                 const std::function<int(int triangle, int layer)>& edge_samples,
+/// The resolutions of maps that lie by themselves.
+struct SeparateSizes {
+  /// `edge_samples(t, 0)` are those of triangle t's mean view, `edge_samples(t, k + 1)` those of
+  /// its surface maps of term k, asked for triangles that have the term.
+  std::function<int(int triangle, int layer)> edge_samples;
+  /// How often the model's grid is halved for a vertex's view map, 0 to 2, asked for vertices that
+  /// have the term; none: never.
+  std::function<int(int vertex, int term)> view_level = {};
+};
+
+/// A model of the same mesh, terms and ranges with nothing in its pages, whose mean views and
+/// surface maps of each term lie by themselves (`surface_placements`, `view_codes`). `model` may be
+/// without pages of patches.
+LightFieldModel LayOutSeparately(const LightFieldModel& model, const SeparateSizes& sizes,
                                  int max_texture_size, const SeparateSpacing& spacing = {});
 
 /// The same maps laid out so, every sample of them; what the spacing leaves room for is filled. A
@@ -31,7 +38,8 @@ LightFieldModel LayOutSeparately(const LightFieldModel& model,
 LightFieldModel SeparateSurfaceMaps(const LightFieldModel& model, int max_texture_size,
                                     const SeparateSpacing& spacing = {});
 
-/// Whether every surface map has as many samples as the mean view, and nothing is shared.
+/// Whether every surface map has as many samples as the mean view, every view map the model's grid,
+/// and nothing is shared.
 bool HasWholeMaps(const LightFieldModel& model);
 
 /// The other way: one layout for mean views and surface maps, gutters all round. Throws Error

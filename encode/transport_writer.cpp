@@ -268,7 +268,7 @@ EncodedTransport EncodeTransport(const LightFieldModel& given, const TransportOp
   if (!HasWholeMaps(given)) {
     throw Error(
         "the transport form is made of whole maps: of the model without codebooks, and with "
-        "--patch-detail full");
+        "--patch-detail full and --view-detail full");
   }
   if (!FitsTransportForm(given)) {
     throw Error("the model is too large for the transport form; --transport-db 0 leaves it out");

@@ -10,18 +10,12 @@
 #include "encode/patch_resolution.h"
 #include "encode/quantization.h"
 #include "encode/vertex_factorization.h"
+#include "encode/view_resolution.h"
 
 namespace lfm {
 namespace {
 
 constexpr double kKeep = 1e-3;  // how much the present view maps count
-
-std::vector<float> DecodedView(const TermMaps& maps) {
-  std::vector<float> view;
-  view.reserve(maps.view_codes.size());
-  for (const uint8_t code : maps.view_codes) view.push_back(DecodeValue(maps.view_range, code));
-  return view;
-}
 
 VertexOperator OperatorOf(const LightFieldSource& source, const LightFieldModel& model,
                           std::span<const int> ring, int vertex) {
@@ -44,7 +38,7 @@ FittedViews FitVertex(const LightFieldSource& source, const LightFieldModel& mod
   for (int k = 0; k < terms; ++k) {
     const TermMaps maps = TermAtResolution(model, f, ring, vertex, k);
     DecodeSurface(f, maps, decoded[k]);
-    fitted.views.push_back(DecodedView(maps));
+    fitted.views.push_back(DecodedView(maps, f.directions));
     for (int l = 0; l <= k; ++l) {
       fitted.gram(k, l) = fitted.gram(l, k) = DotProduct(decoded[k].surface, decoded[l].surface);
     }
@@ -134,13 +128,14 @@ void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
   const size_t vertices = views.size();
   ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
     for (int k = 0; k < model.vertex_terms[v]; ++k) {
-      const std::vector<float>& view = views[v].views[k];
+      const LightFieldModel::TilePosition tile = model.ViewTile(k, static_cast<int>(v));
+      const std::vector<float> view = ViewResampler(model.grid, tile.grid)(views[v].views[k]);
       const auto [low, high] = std::minmax_element(view.begin(), view.end());
       const MapRange range = ViewRange(*low, *high);
       model.view_ranges[k * vertices + v] = range;
       std::vector<uint8_t> codes;
       for (const float value : view) codes.push_back(QuantizeValue(range, value));
-      WriteTile(codes, k, model.ViewTile(k, static_cast<int>(v)), model);
+      WriteTile(codes, k, tile, model);
     }
   });
 }
@@ -152,11 +147,9 @@ LightFieldModel FitViewRanges(LightFieldModel model, const std::vector<FittedVie
     if (terms == 0 || !(views[v].gram.trace() > 0)) return;
     std::vector<std::vector<float>> codes;
     for (int k = 0; k < terms; ++k) {
-      const TermMaps maps = ReadVertexTerm(model, {}, static_cast<int>(v), k);
-      codes.emplace_back();
-      for (const uint8_t code : maps.view_codes) {
-        codes.back().push_back(static_cast<float>(code) / 255);
-      }
+      TermMaps maps = ReadVertexTerm(model, {}, static_cast<int>(v), k);
+      maps.view_range = MapRange{};
+      codes.push_back(DecodedView(maps, model.grid * model.grid));
     }
     const std::vector<MapRange> ranges = FitRanges(views[v], codes);
     for (int k = 0; k < terms; ++k) model.view_ranges[k * vertices + v] = ranges[k];

@@ -27,8 +27,8 @@ struct FittedViews {
 std::vector<FittedViews> RefitViews(const LightFieldSource& source, const LightFieldModel& model,
                                     double guessed_weight);
 
-/// Quantises each vertex's view maps with ranges of their own and writes them to its tiles, which
-/// no other vertex shares.
+/// Quantises each vertex's view maps, in the grids that the model has for them, with ranges of
+/// their own and writes them to its tiles, which no other vertex shares.
 void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model);
 
 /// The ranges of view maps (scale and bias of each term) with which the codes in the model's pages

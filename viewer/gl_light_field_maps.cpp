@@ -190,11 +190,11 @@ std::vector<TableEntry> PatchEntries(const LightFieldModel& model) {
 
 std::vector<TableEntry> TileEntries(const LightFieldModel& model) {
   std::vector<TableEntry> entries;
-  for (const std::vector<int>& codes : model.view_codes) {
-    for (const int code : codes) {
-      const LightFieldModel::TilePosition tile = model.TileAt(code);
+  for (int k = 0; k < static_cast<int>(model.view_codes.size()); ++k) {
+    for (const int code : model.view_codes[k]) {
+      const LightFieldModel::TilePosition tile = model.ViewMapAt(k, code);
       entries.push_back({static_cast<float>(tile.x), static_cast<float>(tile.y),
-                         static_cast<float>(tile.page), 0});
+                         static_cast<float>(tile.page), static_cast<float>(tile.grid)});
     }
   }
   return entries;

@@ -83,8 +83,10 @@ TEST_F(MapCoarsening, PlainPlacesKeepFewerSamples) {
 
 TEST_F(MapCoarsening, FewerBytesAtThePsnrAskedFor) {
   for (const double target_db : {40.0, 43.0}) {
-    const EncodeResult full =
-        With({.target_db = target_db, .patch_detail = PatchDetail::kFull, .transport_db = 0});
+    const EncodeResult full = With({.target_db = target_db,
+                                    .patch_detail = MapDetail::kFull,
+                                    .view_detail = MapDetail::kFull,
+                                    .transport_db = 0});
     const EncodeResult coarse = With({.target_db = target_db, .transport_db = 0});
     EXPECT_GE(coarse.matrix_psnr_db, target_db);
     EXPECT_LE(coarse.matrix_psnr_db, target_db + 0.5);
@@ -130,15 +132,16 @@ TEST_F(MapCoarsening, EstimatesWhatItLoses) {
     edge_samples.push_back(field_.triangles[t].edge_samples);
     mean_codes.push_back(ReadMean(whole.model, t));
   }
-  const MapCosts costs = MeasureMapCosts(source_, edge_samples, mean_codes, TermsOf(whole.model),
-                                         PatchDetail::kAsNeeded);
+  const MapCosts costs =
+      MeasureMapCosts(source_, edge_samples, mean_codes, TermsOf(whole.model), {});
   const double before = CompareWithLightField(source_, whole.model).squared_error;
   // The mean view alone coarser, each term alone, and all.
   for (const std::vector<uint8_t>& levels :
        {std::vector<uint8_t>{1, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 1, 1}, {2, 2, 2}}) {
     MapSelection maps{whole.model.vertex_terms,
-                      std::vector<std::vector<uint8_t>>(triangles, levels)};
-    const LightFieldModel coarse = CoarsenMaps(source_, whole.model, maps.levels, 0.2, 4096);
+                      std::vector<std::vector<uint8_t>>(triangles, levels),
+                      std::vector<std::vector<uint8_t>>(whole.model.vertex_terms.size(), {0, 0})};
+    const LightFieldModel coarse = CoarsenMaps(source_, whole.model, maps, 0.2, 4096);
     const double lost = CompareWithLightField(source_, coarse).squared_error - before;
     const double estimate = costs.SquaredError(maps);
     std::printf("levels %d %d %d: lost %.1f, estimated %.1f, error before %.1f\n", levels[0],
@@ -149,7 +152,9 @@ TEST_F(MapCoarsening, EstimatesWhatItLoses) {
     const double bytes = static_cast<double>(coarse.MapsBytes());
     EXPECT_NEAR(static_cast<double>(costs.Bytes(maps)), bytes, 0.1 * bytes);
   }
-  const std::vector<std::vector<uint8_t>> same(triangles, std::vector<uint8_t>(3, 0));
+  const MapSelection same{
+      whole.model.vertex_terms, std::vector<std::vector<uint8_t>>(triangles, {0, 0, 0}),
+      std::vector<std::vector<uint8_t>>(whole.model.vertex_terms.size(), {0, 0})};
   const LightFieldModel unchanged = CoarsenMaps(source_, whole.model, same, 0.2, 4096);
   EXPECT_NEAR(CompareWithLightField(source_, unchanged).squared_error, before, 0.01 * before);
 }
@@ -196,7 +201,7 @@ TEST_F(MapCoarsening, KeepsEverySampleWhereNothingIsChosen) {
   EXPECT_FALSE(ChoosesDetail({.factorization = Factorization::kNmf}));
   EXPECT_FALSE(ChoosesDetail({.tolerance = 1}));
   EXPECT_FALSE(ChoosesDetail({.compression = {.vq_ratio = 2}}));
-  EXPECT_FALSE(ChoosesDetail({.patch_detail = PatchDetail::kFull}));
+  EXPECT_FALSE(ChoosesDetail({.patch_detail = MapDetail::kFull, .view_detail = MapDetail::kFull}));
   EXPECT_TRUE(ChoosesDetail({}));
   EXPECT_TRUE(HasWholeMaps(With({.terms = 2, .transport_db = 0}).model));
   // The transport form holds whole maps either way.

@@ -16,10 +16,11 @@ PatchCosts Whole(int64_t bytes) { return {{bytes}, {0}, {0}, {}}; }
 
 // These terms, every sample of them.
 MapSelection Terms(const TriangleMesh& mesh, const std::vector<int>& terms) {
-  MapSelection maps{terms, {}};
+  MapSelection maps{terms, {}, {}};
   for (const Eigen::Vector3i& t : mesh.triangles) {
     maps.levels.emplace_back(1 + std::max({terms[t[0]], terms[t[1]], terms[t[2]]}), uint8_t{0});
   }
+  for (const int own : terms) maps.view_levels.emplace_back(own, uint8_t{0});
   return maps;
 }
 
@@ -32,7 +33,7 @@ struct OneTriangle {
   }
   MapCosts Costs(std::vector<std::vector<double>> errors, int64_t patch = 10,
                  int64_t view = 5) const {
-    return {mesh, std::move(errors), {100, 100, 100}, {Whole(patch)}, view};
+    return {mesh, std::move(errors), {100, 100, 100}, {Whole(patch)}, {view}, {}};
   }
 };
 
@@ -40,7 +41,7 @@ struct OneTriangle {
 MapCosts RandomCosts(const TriangleMesh& mesh, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> share(0, 1);
-  MapCosts costs{mesh, {}, {}, {}, 192};
+  MapCosts costs{mesh, {}, {}, {}, {192}, {}};
   for (size_t v = 0; v < mesh.vertices.size(); ++v) {
     std::vector<double> errors = {std::exp(6 * share(random))};
     const int most = static_cast<int>(random() % 6);
@@ -108,7 +109,7 @@ TEST(MapSelection, IsAsGoodAsTryingEveryChoice) {
   double ratio = 0;
   constexpr int kTrials = 20;
   for (int trial = 0; trial < kTrials; ++trial) {
-    MapCosts costs{mesh, {}, std::vector<int64_t>(mesh.vertices.size(), 10), {}, 40};
+    MapCosts costs{mesh, {}, std::vector<int64_t>(mesh.vertices.size(), 10), {}, {40}, {}};
     for (size_t v = 0; v < mesh.vertices.size(); ++v) {
       const double first = error(random);
       costs.squared_errors.push_back({first, first * error(random) / 1000});
@@ -159,7 +160,7 @@ TEST(MapSelection, LevelsAreAsGoodAsTryingEveryChoice) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> error(0, 1000);
   for (int trial = 0; trial < 10; ++trial) {
-    MapCosts costs{mesh, {}, std::vector<int64_t>(mesh.vertices.size(), 10), {}, 40};
+    MapCosts costs{mesh, {}, std::vector<int64_t>(mesh.vertices.size(), 10), {}, {40}, {}};
     for (size_t v = 0; v < mesh.vertices.size(); ++v) {
       const double first = error(random);
       costs.squared_errors.push_back({first, first * error(random) / 1000});

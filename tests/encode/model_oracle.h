@@ -43,11 +43,11 @@ inline Eigen::Vector3d SlowEvaluate(const LightFieldModel& model, int triangle,
   for (int corner = 0; corner < 3; ++corner) {
     const int vertex = model.mesh.triangles[triangle][corner];
     const Eigen::Vector3d direction = model.vertex_frames[vertex].transpose() * to_eye;
-    const Eigen::Vector2d square =
-        SquareFromDirection(model.direction_map, direction) * (model.grid - 1);
-    const Eigen::Vector2d cell = square.array().floor().max(0.0).min(model.grid - 2.0);
     for (int k = 0; k < std::min(terms, model.vertex_terms[vertex]); ++k) {
       const auto tile = model.ViewTile(k, vertex);
+      const Eigen::Vector2d square =
+          SquareFromDirection(model.direction_map, direction) * (tile.grid - 1);
+      const Eigen::Vector2d cell = square.array().floor().max(0.0).min(tile.grid - 2.0);
       const MapRange& surface_range = model.surface_ranges[k * vertices + vertex];
       const MapRange& view_range = model.view_ranges[k * vertices + vertex];
       const double g = surface_range.scale * surface(model.surface_pages[k],

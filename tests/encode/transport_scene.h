@@ -18,9 +18,12 @@ inline LightFieldModel MakeSphereModel(const EncodeOptions& options, const Appea
 
 /// With as many terms as needed for 50 dB.
 inline const LightFieldModel& GlossyModel() {
-  static const LightFieldModel model = MakeSphereModel(
-      {.target_db = 50, .max_terms = 6, .patch_detail = PatchDetail::kFull, .transport_db = 0},
-      GlossyAppearance);
+  static const LightFieldModel model = MakeSphereModel({.target_db = 50,
+                                                        .max_terms = 6,
+                                                        .patch_detail = MapDetail::kFull,
+                                                        .view_detail = MapDetail::kFull,
+                                                        .transport_db = 0},
+                                                       GlossyAppearance);
   return model;
 }
 

@@ -11,6 +11,7 @@
 #include "encode/map_coarsening.h"
 #include "encode/model_layout.h"
 #include "encode/patch_resolution.h"
+#include "encode/view_resolution.h"
 #include "synthetic_model.h"
 #include "viewer/egl_context.h"
 #include "viewer/gl_framebuffer.h"
@@ -83,10 +84,19 @@ LightFieldModel Sharing(LightFieldModel model) {
   return model;
 }
 
-/// Each triangle keeps every sample, or fewer, of its mean view and of each term by itself.
+/// Each triangle keeps every sample, or fewer, of its mean view and of each term by itself; each
+/// vertex shows its view map, of its grid or the first texels of it as one of half or a quarter.
 LightFieldModel Coarser(const LightFieldModel& model) {
   std::mt19937 random(9);
-  std::vector<std::vector<uint8_t>> levels(model.placements.size());
+  MapSelection maps{model.vertex_terms, std::vector<std::vector<uint8_t>>(model.placements.size()),
+                    std::vector<std::vector<uint8_t>>(model.vertex_terms.size())};
+  std::vector<std::vector<uint8_t>>& levels = maps.levels;
+  for (size_t v = 0; v < model.vertex_terms.size(); ++v) {
+    for (int k = 0; k < model.vertex_terms[v]; ++k) {
+      maps.view_levels[v].push_back(
+          static_cast<uint8_t>(random() % ViewGridLevels(model.grid).size()));
+    }
+  }
   const auto level = [&](int t) {
     const size_t count = EdgeSampleLevels(model.placements[t].edge_samples).size();
     return static_cast<uint8_t>(random() % count);
@@ -94,8 +104,16 @@ LightFieldModel Coarser(const LightFieldModel& model) {
   for (int t = 0; t < static_cast<int>(levels.size()); ++t) {
     for (int k = 0; k <= model.TriangleTerms(t); ++k) levels[t].push_back(level(t));
   }
-  LightFieldModel coarse = LayOutCoarsened(model, levels, 512);
-  coarse.view_pages = model.view_pages;
+  LightFieldModel coarse = LayOutCoarsened(model, maps, 512);
+  for (int v = 0; v < static_cast<int>(model.vertex_terms.size()); ++v) {
+    for (int k = 0; k < model.vertex_terms[v]; ++k) {
+      const auto from = model.ViewTile(k, v), to = coarse.ViewTile(k, v);
+      for (int y = 0; y < to.grid; ++y) {
+        std::copy_n(&model.view_pages[k][from.page].At<uint8_t>(from.x, from.y + y), 3 * to.grid,
+                    &coarse.view_pages[k][to.page].At<uint8_t>(to.x, to.y + y));
+      }
+    }
+  }
   const auto copy = [](const Image& from_page, const PatchPlacement& from, Image& to_page,
                        const PatchPlacement& to) {
     for (int c = 0; c < 3; ++c) {

@@ -15,7 +15,7 @@ uniform sampler2DArray surface_maps;
 uniform sampler2DArray view_maps;
 uniform sampler2D ranges;
 uniform sampler2D patches;  // where each triangle's mean view lies; with codebooks its terms', too
-uniform sampler2D tiles;    // with codebooks: where each vertex's view maps lie
+uniform sampler2D tiles;    // with codebooks: where each vertex's view maps lie, and their grid
 uniform int codebooks;
 uniform int blocks;          // pages are in blocks: completions beyond the hypotenuse are not exact
 uniform int surface_planes;  // layers of a surface page: 1 (RGB), or one a corner
@@ -88,12 +88,12 @@ float EdgeShare() {
 }
 
 void main() {
-  vec2 view_texel[3];
+  vec2 view_square[3];
   for (int j = 0; j < 3; ++j) {
     vec2 square = view_coordinates_per_vertex != 0
                       ? view_vector[j].xy
                       : SquareFromDirection(normalize(view_vector[j]), direction_map);
-    view_texel[j] = clamp(square, 0.0, 1.0) * float(grid - 1);
+    view_square[j] = clamp(square, 0.0, 1.0);
   }
   // Corners whose terms do not hold the mean view show it themselves.
   float mean_share = 1.0;
@@ -113,11 +113,12 @@ void main() {
         ReadPatch(surface_maps, place, weights, surface_first[k] + place.page, surface_planes);
     for (int j = 0; j < 3; ++j) {
       vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
-      ivec3 tile = view_tile[j];
+      ivec4 tile = ivec4(view_tile[j], grid);
       if (codebooks != 0) {
-        tile = ivec3(Entry(tiles, k * vertex_count + patch_corners[j]).xyz + 0.5);
+        tile = ivec4(Entry(tiles, k * vertex_count + patch_corners[j]) + 0.5);
       }
-      vec3 view = ReadTexel(view_maps, vec2(tile.xy) + view_texel[j], view_first[k] + tile.z);
+      vec3 view = ReadTexel(view_maps, vec2(tile.xy) + view_square[j] * float(tile.w - 1),
+                            view_first[k] + tile.z);
       sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
     }
   }
