@@ -67,8 +67,8 @@ struct EncodeOptions {
     v.Number(
         {"term-gain",
          "A vertex gets another term where that lowers the RMS error of its maps as much as "
-         "this RMS, in 8-bit levels, would alone; weighed against the bytes that the term takes "
-         "there. Less: more terms.",
+         "this RMS, in 8-bit levels, would alone, and by more the more bytes the term takes there. "
+         "Less: more terms.",
          "", 0, 255},
         term_gain);
     v.Number(

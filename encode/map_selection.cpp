@@ -2,6 +2,7 @@
 #include "encode/map_selection.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <numeric>
 
@@ -10,6 +11,8 @@ namespace {
 
 constexpr int kSweeps = 8;
 constexpr int kBisections = 30;
+constexpr double kNearby = 5;  // of the logarithm of lambda
+constexpr int kSteps = 14;
 
 // Bits of the corners of a triangle that have a term.
 int CornersWith(const Eigen::Vector3i& corners, int term, const std::vector<int>& terms) {
@@ -22,23 +25,31 @@ int TermsOf(const Eigen::Vector3i& corners, const std::vector<int>& terms) {
   return std::max({terms[corners[0]], terms[corners[1]], terms[corners[2]]});
 }
 
+struct Price {
+  double lambda = 0;         // squared error that a byte is worth
+  bool whole_views = false;  // when terms are chosen, view maps count as those of the finest grid
+  int most_terms = INT_MAX;  // of any vertex; where it is given, tables are paid for
+};
+
 // A vertex's choice when its neighbours keep theirs.
-int BestTerms(const MapCosts& costs, const VertexRings& rings, int vertex, double lambda,
+int BestTerms(const MapCosts& costs, const VertexRings& rings, int vertex, const Price& price,
               const std::vector<int>& terms) {
   const std::vector<double>& errors = costs.squared_errors[vertex];
   int best = 0;
   double maps = 0, least = errors[0];
-  for (int k = 1; k < static_cast<int>(errors.size()); ++k) {
+  const int most = std::min(static_cast<int>(errors.size()) - 1, price.most_terms);
+  for (int k = 1; k <= most; ++k) {
     for (int e = rings.offsets[vertex]; e < rings.offsets[vertex + 1]; ++e) {
       const Eigen::Vector3i& corners = costs.mesh.triangles[rings.triangles[e]];
       const PatchCosts& patch = costs.patches[rings.triangles[e]];
       const int own = corners[0] == vertex ? 1 : corners[1] == vertex ? 2 : 4;
       const int others = CornersWith(corners, k - 1, terms) & ~own;
-      maps += patch.TermCost(k - 1, others | own, lambda) - patch.TermCost(k - 1, others, lambda);
+      maps += patch.TermCost(k - 1, others | own, price.lambda) -
+              patch.TermCost(k - 1, others, price.lambda);
     }
-    const int grid = costs.BestViewGrid(vertex, k - 1, lambda);
-    maps +=
-        costs.ViewError(vertex, k - 1, grid) + lambda * static_cast<double>(costs.view_bytes[grid]);
+    const int grid = costs.BestViewGrid(vertex, k - 1, price.lambda);
+    const int64_t view_bytes = costs.view_bytes[price.whole_views ? 0 : grid];
+    maps += costs.ViewError(vertex, k - 1, grid) + price.lambda * static_cast<double>(view_bytes);
     const double cost = errors[k] + maps;
     if (cost < least) {
       least = cost;
@@ -91,18 +102,20 @@ MapSelection TrimRanks(const MapCosts& costs, MapSelection maps, double lambda) 
   return maps;
 }
 
-MapSelection Descend(const MapCosts& costs, const VertexRings& rings, double lambda,
+MapSelection Descend(const MapCosts& costs, const VertexRings& rings, const Price& price,
                      std::vector<int> terms) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     bool changed = false;
     for (int v = 0; v < static_cast<int>(terms.size()); ++v) {
-      const int best = BestTerms(costs, rings, v, lambda, terms);
+      const int best = BestTerms(costs, rings, v, price, terms);
       changed = changed || best != terms[v];
       terms[v] = best;
     }
     if (!changed) break;
   }
-  return TrimRanks(costs, WithLevels(costs, std::move(terms), lambda), lambda);
+  MapSelection maps = WithLevels(costs, std::move(terms), price.lambda);
+  if (price.most_terms < INT_MAX) return maps;
+  return TrimRanks(costs, std::move(maps), price.lambda);
 }
 
 MapSelection NoTerms(const MapCosts& costs) {
@@ -122,15 +135,26 @@ MapSelection Search(const MapCosts& costs, Wanted wanted, const MapSelection& fa
   for (const PatchCosts& patch : costs.patches) energy += patch.mean_errors.back();
   if (!(energy > 0)) return NoTerms(costs);
   // A term may at most take all energy for one byte, and must at least be worth rounding errors.
-  double high = std::log(energy), low = std::log(energy * 1e-16);
   MapSelection best = fallback;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = (low + high) / 2;
-    MapSelection maps = Descend(costs, rings, std::exp(middle), all);
-    const bool fitting = fits(maps);
-    if (fitting) best = std::move(maps);
-    (fitting == (wanted == Wanted::kFewestBytes) ? low : high) = middle;
-  }
+  const auto bisect = [&](double low, double high, int steps, int most_terms) {
+    for (int i = 0; i < steps; ++i) {
+      const double middle = (low + high) / 2;
+      MapSelection maps = Descend(costs, rings, {std::exp(middle), false, most_terms}, all);
+      const bool fitting = fits(maps);
+      const bool better = wanted == Wanted::kFewestBytes
+                              ? costs.Bytes(maps) < costs.Bytes(best)
+                              : costs.SquaredError(maps) < costs.SquaredError(best);
+      if (fitting && (better || !fits(best))) best = std::move(maps);
+      (fitting == (wanted == Wanted::kFewestBytes) ? low : high) = middle;
+    }
+    return low;
+  };
+  const double low = std::log(energy * 1e-16);
+  const double found = bisect(low, std::log(energy), kBisections, INT_MAX);
+  // Whether the last term of all is worth its tables is decided at once for a lambda, so that sizes
+  // leap there: with the terms given they do not.
+  const auto most = static_cast<int>(MostTerms(best.terms));
+  for (const int terms : {most, most + 1}) bisect(found - kNearby, found + kNearby, kSteps, terms);
   return best;
 }
 
@@ -240,7 +264,7 @@ MapSelection MapsForTolerance(const MapCosts& costs, double rms) {
 }
 
 MapSelection MapsForLambda(const MapCosts& costs, double lambda) {
-  return Descend(costs, ComputeVertexRings(costs.mesh), lambda, AllMaps(costs).terms);
+  return Descend(costs, ComputeVertexRings(costs.mesh), {lambda}, AllMaps(costs).terms);
 }
 
 MapSelection MapsForGain(const MapCosts& costs, double rms) {
@@ -251,7 +275,8 @@ MapSelection MapsForGain(const MapCosts& costs, double rms) {
   }
   const auto entries =
       static_cast<double>(std::accumulate(costs.entries.begin(), costs.entries.end(), int64_t{0}));
-  return MapsForLambda(costs, bytes > 0 ? rms * rms * entries / bytes : 0);
+  const Price price{bytes > 0 ? rms * rms * entries / bytes : 0, true};
+  return Descend(costs, ComputeVertexRings(costs.mesh), price, AllMaps(costs).terms);
 }
 
 MapSelection MapsForError(const MapCosts& costs, double squared_error) {

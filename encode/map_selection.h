@@ -81,9 +81,10 @@ MapSelection MapsForLambda(const MapCosts& costs, double lambda);
 
 /// MapsForLambda with the lambda at which a term of an average vertex (its view map, and its share
 /// of the patches, every sample of them, when its neighbours have the term too) is worth its bytes
-/// when it lowers the mean square error of the vertex's matrix by rms^2. Independent of how much of
-/// a scene is glossy: no terms where they would bring nothing but noise. rms = 0: what lowers the
-/// error, alone.
+/// when it lowers the mean square error of the vertex's matrix by rms^2. View maps count as those
+/// of the finest grid until terms are chosen: a term has to be drawn, however few bytes it takes.
+/// Independent of how much of a scene is glossy: no terms where they would bring nothing but noise.
+/// rms = 0: what lowers the error, alone.
 MapSelection MapsForGain(const MapCosts& costs, double rms);
 
 /// Of the answers of MapsForLambda the one with the largest lambda whose squared error is at most

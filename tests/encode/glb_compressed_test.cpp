@@ -146,7 +146,27 @@ TEST_F(GlbCompressed, HostileTablesAreErrors) {
       [](json& e) { e["blocks"]["surface"][1] = json::array(); },
       [](json& e) { e["blocks"]["view"][0] = json::array(); },
       [](json& e) { e["version"] = 1; },
-      [](json& e) { e["version"] = 4; }};
+      [](json& e) { e["version"] = 5; },
+      [](json& e) { e["viewTileCounts"] = 3; },
+      [](json& e) { e["viewTileCounts"] = json::array(); },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{1, 2}, {1, 2}, {1, 2}});
+      },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
+      },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{-1, 0, 0}, {9, 0, 0}, {9, 0, 0}});
+      },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{1.5, 0, 0}, {9, 0, 0}, {9, 0, 0}});
+      },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{0, 0, 1 << 27}, {9, 0, 0}, {9, 0, 0}});
+      },
+      [](json& e) {
+        e["viewTileCounts"] = json::array({{0, 1u << 31, 0}, {9, 0, 0}, {9, 0, 0}});
+      }};
   for (size_t i = 0; i < changes.size(); ++i) {
     EXPECT_THROW(ReadGlbBytes(Changed(bytes, changes[i]), "x"), Error) << i;
   }

@@ -254,9 +254,10 @@ TEST_F(Glb, SchemaListsTheKeys) {
   for (const auto& [key, value] : extension.items()) {
     EXPECT_TRUE(schema["properties"].contains(key)) << key;
   }
-  // The others: one list of patches, as models without terms and earlier ones have it, and blocks.
+  // The others: one list of patches, as models without terms and earlier ones have it, blocks, and
+  // view maps with grids of their own.
   size_t others = 0;
-  for (const char* key : {"placements", "blocks"}) {
+  for (const char* key : {"placements", "blocks", "viewTileCounts"}) {
     EXPECT_TRUE(schema["properties"].contains(key)) << key;
     EXPECT_FALSE(extension.contains(key)) << key;
     ++others;

@@ -159,6 +159,67 @@ TEST_F(MapCoarsening, EstimatesWhatItLoses) {
   EXPECT_NEAR(CompareWithLightField(source_, unchanged).squared_error, before, 0.01 * before);
 }
 
+// The same for view maps, of each term alone and all.
+TEST_F(MapCoarsening, EstimatesWhatCoarserViewsLose) {
+  const EncodeResult whole = With({.terms = 2, .transport_db = 0});
+  const size_t triangles = whole.model.placements.size(), vertices = field_.mesh.vertices.size();
+  std::vector<int> edge_samples;
+  std::vector<std::vector<uint8_t>> mean_codes;
+  for (size_t t = 0; t < triangles; ++t) {
+    edge_samples.push_back(field_.triangles[t].edge_samples);
+    mean_codes.push_back(ReadMean(whole.model, static_cast<int>(t)));
+  }
+  const MapCosts costs = MeasureMapCosts(source_, edge_samples, mean_codes, TermsOf(whole.model),
+                                         {.patches = MapDetail::kFull});
+  EXPECT_EQ(costs.view_bytes, (std::vector<int64_t>{432, 108})) << "12 and 6; 3 is too few";
+  EXPECT_EQ(costs.patches.front().levels(), 1);
+  const double before = CompareWithLightField(source_, whole.model).squared_error;
+  for (const std::vector<uint8_t>& grids : {std::vector<uint8_t>{1, 0}, {0, 1}, {1, 1}}) {
+    const MapSelection maps{whole.model.vertex_terms,
+                            std::vector<std::vector<uint8_t>>(triangles, {0, 0, 0}),
+                            std::vector<std::vector<uint8_t>>(vertices, grids)};
+    const LightFieldModel coarse = CoarsenMaps(source_, whole.model, maps, 0.2, 4096);
+    const double lost = CompareWithLightField(source_, coarse).squared_error - before;
+    const double estimate = costs.SquaredError(maps);
+    EXPECT_NEAR(lost, estimate, 0.1 * estimate + 0.02 * before);
+    EXPECT_GT(estimate, 0.02 * before);
+    const double bytes = static_cast<double>(coarse.MapsBytes());
+    EXPECT_NEAR(static_cast<double>(costs.Bytes(maps)), bytes, 0.1 * bytes);
+    for (int k = 0; k < 2; ++k) EXPECT_EQ(coarse.ViewTile(k, 5).grid, grids[k] == 1 ? 6 : 12);
+    EXPECT_FALSE(HasWholeMaps(coarse));
+    EXPECT_THROW(JoinSurfaceMaps(coarse), Error);
+  }
+}
+
+// Every map has texels that no other has, whatever grids they have.
+TEST_F(MapCoarsening, ViewMapsShareNoTexels) {
+  const EncodeResult whole = With({.terms = 2, .transport_db = 0});
+  MapSelection maps{whole.model.vertex_terms,
+                    std::vector<std::vector<uint8_t>>(whole.model.placements.size(), {0, 0, 0}),
+                    {}};
+  for (size_t v = 0; v < field_.mesh.vertices.size(); ++v) {
+    maps.view_levels.push_back({static_cast<uint8_t>(v % 3 == 0), static_cast<uint8_t>(v % 2)});
+  }
+  const LightFieldModel model = LayOutCoarsened(whole.model, maps, 256);
+  ValidateModel(model, "model");
+  for (int k = 0; k < model.terms; ++k) {
+    std::vector<Image> taken = model.view_pages[k];
+    int64_t texels = 0, held = 0;
+    for (const Image& page : taken) held += int64_t{page.width()} * page.height();
+    for (int v = 0; v < static_cast<int>(maps.view_levels.size()); ++v) {
+      const LightFieldModel::TilePosition tile = model.ViewTile(k, v);
+      EXPECT_EQ(tile.grid, model.grid >> maps.view_levels[v][k]);
+      texels += int64_t{tile.grid} * tile.grid;
+      for (int y = 0; y < tile.grid; ++y) {
+        for (int x = 0; x < tile.grid; ++x) {
+          EXPECT_EQ(++taken[tile.page].At<uint8_t>(tile.x + x, tile.y + y), 1);
+        }
+      }
+    }
+    EXPECT_LT(held, 1.1 * static_cast<double>(texels));
+  }
+}
+
 TEST_F(MapCoarsening, IsContinuousAndMeansWhatTheFormatSays) {
   const EncodeResult result = With({.target_db = 43, .transport_db = 0});
   const LightFieldModel& model = result.model;
@@ -187,6 +248,9 @@ TEST_F(MapCoarsening, ComesBackFromAFile) {
   const LightFieldModel back = ReadGlb(file);
   std::remove(file.c_str());
   EXPECT_EQ(back.guessed, result.model.guessed);
+  ASSERT_FALSE(result.model.view_tile_counts.empty());
+  EXPECT_EQ(back.view_tile_counts, result.model.view_tile_counts);
+  EXPECT_EQ(back.view_codes, result.model.view_codes);
   EXPECT_EQ(back.MapsBytes(), result.model.MapsBytes());
   for (int t = 0; t < static_cast<int>(back.placements.size()); t += 5) {
     const Eigen::Vector3d to_eye = TriangleNormal(back.mesh, t), w(0.5, 0.2, 0.3);

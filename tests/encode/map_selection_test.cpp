@@ -211,6 +211,34 @@ TEST(MapSelection, ATermOfFewVerticesIsNotWorthItsTables) {
   EXPECT_EQ(MapsForLambda(costs, 0), AllMaps(costs));
 }
 
+TEST(MapSelection, GridsGoByTheirOwnBytes) {
+  const OneTriangle one;
+  MapCosts costs = one.Costs({{90, 40}, {90, 40}, {90, 85}});
+  costs.view_bytes = {20, 5};
+  costs.view_errors = {{0, 3}, {0, 30}, {0, 1}};
+  // At a price of 1: 15 bytes saved for 3, not for 30; the third vertex' term saves 5 - 1 for 5.
+  const MapSelection maps = MapsForLambda(costs, 1);
+  EXPECT_EQ(maps.terms, (std::vector<int>{1, 1, 0}));
+  EXPECT_EQ(maps.view_levels, (std::vector<std::vector<uint8_t>>{{1}, {0}, {}}));
+  EXPECT_EQ(costs.SquaredError(maps), 40 + 3 + 40 + 90);
+  EXPECT_EQ(costs.Bytes(maps), 10 + 5 + 20);
+  EXPECT_EQ(MapsForLambda(costs, 0.5).terms, (std::vector<int>{1, 1, 1}));
+  EXPECT_EQ(AllMaps(costs).view_levels, (std::vector<std::vector<uint8_t>>{{0}, {0}, {0}}));
+}
+
+TEST(MapSelection, ASmallGridIsNoReasonForATerm) {
+  const OneTriangle one;
+  MapCosts costs = one.Costs({{90, 10}, {90, 10}, {90, 10}});
+  const MapSelection before = MapsForGain(costs, 0.85);
+  EXPECT_EQ(before.terms, (std::vector<int>{1, 1, 1}));
+  costs.view_bytes = {5, 1};
+  costs.view_errors = {{0, 0}, {0, 0}, {0, 0}};
+  EXPECT_EQ(MapsForGain(costs, 0.85).terms, before.terms);
+  EXPECT_EQ(MapsForGain(costs, 0.85).view_levels,
+            (std::vector<std::vector<uint8_t>>{{1}, {1}, {1}}));
+  EXPECT_EQ(MapsForGain(costs, 1.3).terms, (std::vector<int>{0, 0, 0}));
+}
+
 TEST(MapSelection, MoreTermsToChooseFromTakeNoMore) {
   const TriangleMesh mesh = MakeSphere(4);
   MapCosts costs = RandomCosts(mesh, 13);
