@@ -100,39 +100,53 @@ struct ImageIndices {
   std::vector<std::vector<int>> surface, view;
 };
 
-// Pages in blocks keep the mean view as pictures too: other viewers show it.
-ImageIndices AddImages(const LightFieldModel& model, GlbBuilder& builder) {
-  std::vector<const Image*> pages;
-  std::vector<std::string> names;
-  const auto collect = [&](const std::vector<Image>& images, const std::string& what) {
-    for (size_t page = 0; page < images.size(); ++page) {
-      pages.push_back(&images[page]);
-      names.push_back(what + ", page " + std::to_string(page));
+// All pages as PNG, added in the order in which they are shown: the mean view, then what else is
+// needed to show terms, then the terms one after the other. So a reader can show what has arrived.
+class ImageWriter {
+ public:
+  // Pages in blocks keep the mean view as pictures too: other viewers show it.
+  explicit ImageWriter(const LightFieldModel& model)
+      : model_(model), terms_(model.blocks.empty() ? model.terms : 0) {
+    std::vector<const Image*> pages;
+    const auto collect = [&](const std::vector<Image>& images, const std::string& what) {
+      for (size_t page = 0; page < images.size(); ++page) {
+        pages.push_back(&images[page]);
+        names_.push_back(what + ", page " + std::to_string(page));
+      }
+    };
+    collect(model.mean_pages, "mean view");
+    for (int k = 0; k < terms_; ++k) {
+      collect(model.surface_pages[k], "surface maps, term " + std::to_string(k + 1));
+      collect(model.view_pages[k], "view maps, term " + std::to_string(k + 1));
     }
-  };
-  collect(model.mean_pages, "mean view");
-  const int terms = model.blocks.empty() ? model.terms : 0;
-  for (int k = 0; k < terms; ++k) {
-    collect(model.surface_pages[k], "surface maps, term " + std::to_string(k + 1));
-    collect(model.view_pages[k], "view maps, term " + std::to_string(k + 1));
+    bytes_ = EncodePages(pages);
   }
-  const auto bytes = EncodePages(pages);
-  size_t next = 0;
-  const auto add = [&](size_t count) {
+
+  void AddMean(GlbBuilder& builder) { indices_.mean = Add(model_.mean_pages.size(), builder); }
+  void AddTerms(GlbBuilder& builder) {
+    for (int k = 0; k < terms_; ++k) {
+      indices_.surface.push_back(Add(model_.surface_pages[k].size(), builder));
+      indices_.view.push_back(Add(model_.view_pages[k].size(), builder));
+    }
+  }
+  const ImageIndices& indices() const { return indices_; }
+
+ private:
+  std::vector<int> Add(size_t count, GlbBuilder& builder) {
     std::vector<int> indices;
-    for (size_t i = 0; i < count; ++i, ++next) {
-      indices.push_back(builder.AddPng(bytes[next], names[next]));
+    for (size_t i = 0; i < count; ++i, ++next_) {
+      indices.push_back(builder.AddPng(bytes_[next_], names_[next_]));
     }
     return indices;
-  };
-  ImageIndices indices;
-  indices.mean = add(model.mean_pages.size());
-  for (int k = 0; k < terms; ++k) {
-    indices.surface.push_back(add(model.surface_pages[k].size()));
-    indices.view.push_back(add(model.view_pages[k].size()));
   }
-  return indices;
-}
+
+  const LightFieldModel& model_;
+  int terms_;
+  std::vector<std::vector<std::byte>> bytes_;
+  std::vector<std::string> names_;
+  size_t next_ = 0;
+  ImageIndices indices_;
+};
 
 std::vector<float> FrameQuaternions(const LightFieldModel& model) {
   std::vector<float> values;
@@ -238,13 +252,21 @@ json BlockPages(const std::vector<BlockPage>& pages, GlbBuilder& builder) {
   return list;
 }
 
-json BlockPages(const std::vector<std::vector<BlockPage>>& terms, GlbBuilder& builder) {
-  json list = json::array();
-  for (const auto& pages : terms) list.push_back(BlockPages(pages, builder));
-  return list;
+// Mean pages before the tables, which are needed to show terms; terms behind them.
+json AddMeanBlocks(const LightFieldModel& model, GlbBuilder& builder) {
+  return {{"surfaceFormat", model.SurfacePlanes() == 1 ? glb::kOnePlane : glb::kThreePlanes},
+          {"mean", BlockPages(model.blocks.mean, builder)}};
 }
 
-void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbBuilder& builder) {
+void AddTermBlocks(const LightFieldModel& model, json& blocks, GlbBuilder& builder) {
+  blocks["surface"] = blocks["view"] = json::array();
+  for (int k = 0; k < model.terms; ++k) {
+    blocks["surface"].push_back(BlockPages(model.blocks.surface[k], builder));
+    blocks["view"].push_back(BlockPages(model.blocks.view[k], builder));
+  }
+}
+
+json ExtensionTables(const LightFieldModel& model, GlbBuilder& builder) {
   json extension = ExtensionGeometry(model, builder);
   AddPlaces(model, extension, builder);
   const bool whole_views = model.view_tile_counts.empty();
@@ -253,17 +275,6 @@ void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbB
   if (model.mean_in_terms) extension["meanInTerms"] = true;
   extension["grid"] = model.grid;
   extension["directionMap"] = glb::kDirectionMapNames[static_cast<int>(model.direction_map)];
-  extension["meanImages"] = images.mean;
-  if (model.blocks.empty()) {
-    extension["surfaceImages"] = images.surface;
-    extension["viewImages"] = images.view;
-  } else {
-    extension["blocks"] = {
-        {"surfaceFormat", model.SurfacePlanes() == 1 ? glb::kOnePlane : glb::kThreePlanes},
-        {"mean", BlockPages(model.blocks.mean, builder)},
-        {"surface", BlockPages(model.blocks.surface, builder)},
-        {"view", BlockPages(model.blocks.view, builder)}};
-  }
   extension["viewTilesPerRow"] = model.view_tiles_per_row;
   extension["viewTilesPerPage"] = model.view_tiles_per_page;
   if (model.terms > 0) {
@@ -271,6 +282,22 @@ void AddExtension(const LightFieldModel& model, const ImageIndices& images, GlbB
                                                      GltfComponent::kFloat32, GltfShape::kVec2);
     extension["viewRanges"] = builder.AddAccessor(PackedRanges(model.view_ranges),
                                                   GltfComponent::kFloat32, GltfShape::kVec2);
+  }
+  return extension;
+}
+
+void AddExtension(const LightFieldModel& model, ImageWriter& images, GlbBuilder& builder) {
+  json blocks;
+  if (!model.blocks.empty()) blocks = AddMeanBlocks(model, builder);
+  json extension = ExtensionTables(model, builder);
+  images.AddTerms(builder);
+  extension["meanImages"] = images.indices().mean;
+  if (model.blocks.empty()) {
+    extension["surfaceImages"] = images.indices().surface;
+    extension["viewImages"] = images.indices().view;
+  } else {
+    AddTermBlocks(model, blocks, builder);
+    extension["blocks"] = blocks;
   }
   if (!model.guessed.empty()) {
     extension["guessedDirections"] =
@@ -286,8 +313,9 @@ int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file
   GlbBuilder builder;
   builder.json["asset"] = {{"version", "2.0"}, {"generator", "lfm " LFM_VERSION}};
   AddPlainMesh(model, builder);
-  const ImageIndices images = AddImages(model, builder);
-  AddMaterials(images.mean, builder.json);
+  ImageWriter images(model);
+  images.AddMean(builder);
+  AddMaterials(images.indices().mean, builder.json);
   AddScene(builder.json);
   AddExtension(model, images, builder);
   const std::string bytes = BuildGlb(builder.Finish());
