@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/formatted_text.h"
+#include "core/markup_text.h"
 
 namespace lfm {
 namespace {
@@ -13,20 +14,6 @@ namespace {
 constexpr double kLeft = 70, kRight = 560, kTop = 50, kBottom = 360;
 constexpr const char* kColors[] = {"#1b6ca8", "#c0392b", "#27844a", "#8e44ad",
                                    "#b9770e", "#16858a", "#555555", "#d35490"};
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
 
 struct Axis {
   ChartScale scale = ChartScale::kLinear;
@@ -95,13 +82,13 @@ std::string Frame(const LineChart& chart, const Axis& x, const Axis& y) {
   }
   const double middle_x = (kLeft + kRight) / 2, middle_y = (kTop + kBottom) / 2;
   svg += FormattedText("<text x=\"%g\" y=\"%g\" text-anchor=\"middle\">", middle_x, kBottom + 40);
-  svg += Escaped(chart.x_label) + "</text>\n";
+  svg += EscapeMarkup(chart.x_label) + "</text>\n";
   svg += FormattedText("<text transform=\"translate(18 %g) rotate(-90)\" text-anchor=\"middle\">",
                        middle_y);
-  svg += Escaped(chart.y_label) + "</text>\n";
+  svg += EscapeMarkup(chart.y_label) + "</text>\n";
   svg +=
       FormattedText("<text x=\"%g\" y=\"28\" text-anchor=\"middle\" font-size=\"15\">", middle_x);
-  return svg + Escaped(chart.title) + "</text>\n";
+  return svg + EscapeMarkup(chart.title) + "</text>\n";
 }
 
 // Ticks inside the frame: beside it stands the legend.
@@ -115,7 +102,7 @@ std::string RightAxis(const std::string& label, const Axis& y) {
   }
   svg += FormattedText("<text transform=\"translate(%g %g) rotate(-90)\" text-anchor=\"middle\">",
                        kRight + 18, (kTop + kBottom) / 2);
-  return svg + Escaped(label) + "</text>\n";
+  return svg + EscapeMarkup(label) + "</text>\n";
 }
 
 std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Axis& y) {
@@ -134,7 +121,7 @@ std::string Curve(const ChartCurve& curve, size_t index, const Axis& x, const Ax
                                  "<rect x=\"%g\" y=\"%g\" width=\"14\" height=\"4\" fill=\"%s\"/>"
                                  "<text x=\"%g\" y=\"%g\">",
                                  kRight + 24, legend_y, color, kRight + 44, legend_y + 6) +
-                             Escaped(curve.name) + "</text>\n";
+                             EscapeMarkup(curve.name) + "</text>\n";
   return line + "\"/>\n" + dots + legend;
 }
 

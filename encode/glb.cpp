@@ -309,7 +309,7 @@ void AddExtension(const LightFieldModel& model, ImageWriter& images, GlbBuilder&
 
 }  // namespace
 
-int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file) {
+std::string GlbBytes(const LightFieldModel& model) {
   GlbBuilder builder;
   builder.json["asset"] = {{"version", "2.0"}, {"generator", "lfm " LFM_VERSION}};
   AddPlainMesh(model, builder);
@@ -318,7 +318,11 @@ int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file
   AddMaterials(images.indices().mean, builder.json);
   AddScene(builder.json);
   AddExtension(model, images, builder);
-  const std::string bytes = BuildGlb(builder.Finish());
+  return BuildGlb(builder.Finish());
+}
+
+int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file) {
+  const std::string bytes = GlbBytes(model);
   WriteFileAtomically(file, bytes);
   return static_cast<int64_t>(bytes.size());
 }

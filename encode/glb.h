@@ -9,8 +9,10 @@
 
 namespace lfm {
 
-/// Writes `model.glb` (glTF 2.0, extension LFM_surface_light_field, docs/formats.md), atomically.
-/// Returns its size in bytes.
+/// A glTF 2.0 file with the extension LFM_surface_light_field (docs/formats.md): the plain mesh, the
+/// mean view, all tables, then the terms one after the other.
+std::string GlbBytes(const LightFieldModel& model);
+/// Writes it, atomically. Returns its size in bytes.
 int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file);
 /// Reads it back: maps, ranges and placements bit by bit, coordinates and frames as float32. Throws
 /// Error on truncated, inconsistent or hostile content (sizes of pictures are checked before they

@@ -5,12 +5,14 @@
 #include <chrono>
 #include <optional>
 
+#include "core/atomic_file.h"
 #include "core/json_reader.h"
 #include "core/process_memory.h"
 #include "pipeline/report_page.h"
 #include "pipeline/report_pictures.h"
 #include "pipeline/stage_cache.h"
 #include "pipeline/truth_record.h"
+#include "viewer/web_page.h"
 
 namespace lfm {
 
@@ -54,6 +56,7 @@ void WriteReport(const Capture& capture, const Workspace& workspace,
   }
   const std::vector<ReportPicture> pictures =
       MakeReportPictures(capture, workspace, folder / "pictures", progress);
+  WriteWebFolder(ReadFile(workspace.folder / "encode" / "model.glb"), capture.name, folder / "web");
   const double elapsed =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report["time"]["report_s"] = elapsed;

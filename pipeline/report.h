@@ -18,8 +18,9 @@ namespace lfm {
 /// since) shows no figures but `out_of_date`, which says what to do.
 nlohmann::json CollectReport(const Capture& capture, const Workspace& workspace);
 
-/// Writes `folder/report.json`, `folder/index.html` and `folder/pictures/`: every stage's figures
-/// and pictures on one page.
+/// Writes `folder/report.json`, `folder/index.html`, `folder/pictures/` and `folder/web/`: every
+/// stage's figures and pictures on one page, and the model for browsers (viewer/web_page.h), which
+/// the page shows.
 void WriteReport(const Capture& capture, const Workspace& workspace,
                  const std::filesystem::path& folder, Progress& progress);
 

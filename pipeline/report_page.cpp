@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/atomic_file.h"
+#include "core/markup_text.h"
 
 namespace lfm {
 namespace {
@@ -19,30 +20,7 @@ h1{margin-bottom:.2rem} h2{margin-top:2.5rem;border-bottom:1px solid #ddd}
 td,th{padding:.15rem .8rem .15rem 0;text-align:left;vertical-align:top} td.n{text-align:right;font-variant-numeric:tabular-nums}
 figure{margin:1rem 0} figure img{max-width:100%;border:1px solid #ddd} figcaption{color:#555;font-size:.9rem}
 .key{display:flex;flex-wrap:wrap;gap:1rem;margin:1rem 0} .key div{background:#f4f4f4;border-radius:8px;padding:.6rem 1rem}
-.key b{display:block;font-size:1.4rem} svg text{font:12px system-ui,sans-serif})";
-
-std::string Escape(const std::string& text) {
-  std::string escaped;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
+.key b{display:block;font-size:1.4rem} iframe{width:100%;height:min(75vh,600px);border:1px solid #ddd;border-radius:8px} svg text{font:12px system-ui,sans-serif})";
 
 std::string Format(const json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -75,7 +53,8 @@ std::string FigureTable(const json& figures) {
   std::string html = "<table>";
   for (const auto& [key, value] : figures.items()) {
     if (value.is_structured()) continue;
-    html += "<tr><td>" + Escape(key) + "</td><td class=n>" + Escape(Format(value)) + "</td></tr>";
+    html += "<tr><td>" + EscapeMarkup(key) + "</td><td class=n>" + EscapeMarkup(Format(value)) +
+            "</td></tr>";
   }
   return html + "</table>";
 }
@@ -85,8 +64,8 @@ std::string ReasonTable(const json& figures, const char* key, const char* title)
   if (!figures.contains(key) || figures[key].empty()) return "";
   std::string html = std::string("<p>") + title + ":</p><table>";
   for (const json& entry : figures[key]) {
-    html += "<tr><td>" + Escape(entry.value("id", "")) + "</td><td>" +
-            Escape(entry.value("reason", "")) + "</td></tr>";
+    html += "<tr><td>" + EscapeMarkup(entry.value("id", "")) + "</td><td>" +
+            EscapeMarkup(entry.value("reason", "")) + "</td></tr>";
   }
   return html + "</table>";
 }
@@ -96,7 +75,7 @@ std::string ReasonTable(const json& figures, const char* key, const char* title)
 std::string TrialTable(const json& trials, const std::string& title) {
   if (!trials.is_array() || trials.empty()) return "";
   std::string html =
-      "<p>" + Escape(title) +
+      "<p>" + EscapeMarkup(title) +
       "</p><table><tr><th>model</th><th>error on corners kept out of the fit, px</th>"
       "</tr>";
   for (const json& trial : trials) {
@@ -104,8 +83,9 @@ std::string TrialTable(const json& trials, const std::string& title) {
     const std::string error = trial.contains("heldout_rms_px")
                                   ? Format(trial["heldout_rms_px"])
                                   : "no lens: folds over inside the picture";
-    html += std::string("<tr><td>") + (chosen ? "<b>" : "") + Escape(trial.value("model", "")) +
-            (chosen ? "</b>" : "") + "</td><td class=n>" + Escape(error) + "</td></tr>";
+    html += std::string("<tr><td>") + (chosen ? "<b>" : "") +
+            EscapeMarkup(trial.value("model", "")) + (chosen ? "</b>" : "") + "</td><td class=n>" +
+            EscapeMarkup(error) + "</td></tr>";
   }
   return html + "</table>";
 }
@@ -130,7 +110,7 @@ std::string PhotoTable(const json& figures) {
       "<th>SSIM</th><th>APE</th></tr>";
   for (const json& photo : figures["photos"]) {
     const json& full = photo.at("full");
-    html += "<tr><td>" + Escape(photo.value("id", "")) + "</td><td class=n>" +
+    html += "<tr><td>" + EscapeMarkup(photo.value("id", "")) + "</td><td class=n>" +
             Format(full.at("psnr_db")) + "</td><td class=n>" +
             (photo.contains("mean_only") ? Format(photo["mean_only"].at("psnr_db")) : "") +
             "</td><td class=n>" + Format(full.at("ssim")) + "</td><td class=n>" +
@@ -150,13 +130,13 @@ std::string BarChart(const std::vector<std::pair<std::string, double>>& bars,
   int y = 0;
   for (const auto& [label, value] : bars) {
     const std::string middle = std::to_string(y + 15);
-    svg += "<text x=\"0\" y=\"" + middle + "\">" + Escape(label) + "</text><rect x=\"" +
+    svg += "<text x=\"0\" y=\"" + middle + "\">" + EscapeMarkup(label) + "</text><rect x=\"" +
            std::to_string(kLabel) + "\" y=\"" + std::to_string(y + 3) +
            "\" height=\"16\" width=\"" +
            std::to_string(std::max(1, static_cast<int>(kBar * value / largest))) +
            "\" fill=\"#4a7ab5\"/><text x=\"" +
            std::to_string(kLabel + 8 + static_cast<int>(kBar * value / largest)) + "\" y=\"" +
-           middle + "\">" + Format(value) + Escape(unit) + "</text>";
+           middle + "\">" + Format(value) + EscapeMarkup(unit) + "</text>";
     y += kRow;
   }
   return svg + "</svg>";
@@ -166,7 +146,8 @@ std::string KeyFigures(const json& report) {
   std::string html = "<div class=key>";
   const auto add = [&](const char* stage, const char* key, const char* label, const char* unit) {
     if (!report.contains(stage) || !report[stage].contains(key)) return;
-    html += "<div><b>" + Escape(Format(report[stage][key])) + unit + "</b>" + label + "</div>";
+    html +=
+        "<div><b>" + EscapeMarkup(Format(report[stage][key])) + unit + "</b>" + label + "</div>";
   };
   add("evaluate", "heldout_psnr_db", "held-out PSNR", " dB");
   add("evaluate", "heldout_psnr_mean_only_db", "mean view alone", " dB");
@@ -197,18 +178,26 @@ std::string TimeChart(const json& time) {
   return BarChart(bars, " s");
 }
 
+// WriteWebFolder's pages beside this one. The one in a single file needs no server.
+constexpr const char* kLiveModel =
+    "<h2 id=model>The model</h2><p class=lead>Drag to turn, wheel or two fingers to zoom. <a "
+    "href=\"web/model.html\">On a page of its own</a> (one file, to be passed on); for a web "
+    "server: "
+    "the folder <a href=\"web/\">web</a>.</p><iframe src=\"web/model.html\" title=\"The model, "
+    "to be turned\" allow=fullscreen allowfullscreen></iframe>";
+
 }  // namespace
 
 void WriteReportPage(const std::string& capture_name, const json& report,
                      const std::vector<ReportPicture>& pictures,
                      const std::filesystem::path& file) {
   std::string html = "<!doctype html><html lang=en><meta charset=utf-8><title>" +
-                     Escape(capture_name) +
+                     EscapeMarkup(capture_name) +
                      " – lfm report</title><meta name=viewport "
                      "content=\"width=device-width\"><style>" +
-                     kStyle + "</style><h1>" + Escape(capture_name) +
+                     kStyle + "</style><h1>" + EscapeMarkup(capture_name) +
                      "</h1><p class=lead>From photographs and scans to a surface light field.</p>" +
-                     KeyFigures(report);
+                     KeyFigures(report) + kLiveModel;
   for (const StageText& stage : kStageTexts) {
     if (!report.contains(stage.name)) continue;
     const json& figures = report[stage.name];
@@ -219,16 +208,16 @@ void WriteReportPage(const std::string& capture_name, const json& report,
             Charts(stage.name, report);
     for (const ReportPicture& picture : pictures) {
       if (picture.stage != stage.name) continue;
-      html += "<figure><img loading=lazy src=\"" + Escape(picture.file) + "\" alt=\"" +
-              Escape(picture.caption) + "\"><figcaption>" + Escape(picture.caption) +
+      html += "<figure><img loading=lazy src=\"" + EscapeMarkup(picture.file) + "\" alt=\"" +
+              EscapeMarkup(picture.caption) + "\"><figcaption>" + EscapeMarkup(picture.caption) +
               "</figcaption></figure>";
     }
     if (std::string(stage.name) == "evaluate") html += PhotoTable(figures);
   }
   html += "<h2 id=time>Time and memory</h2>" + TimeChart(report["time"]) +
           FigureTable(report["time"]) + FigureTable(report["memory"]);
-  html +=
-      "<h2 id=options>Options</h2><pre>" + Escape(report["options"].dump(2)) + "</pre></html>\n";
+  html += "<h2 id=options>Options</h2><pre>" + EscapeMarkup(report["options"].dump(2)) +
+          "</pre></html>\n";
   WriteFileAtomically(file, html);
 }
 

@@ -31,6 +31,18 @@ void WriteCameraFile(const PosedCamera& posed, const std::filesystem::path& file
             file);
 }
 
+std::map<std::string, PosedCamera> PhotoCameras(const std::filesystem::path& work) {
+  const CalibResult calib = LoadCalib(work / "calib");
+  std::map<std::string, PosedCamera> cameras;
+  for (const PosedImage& photo : calib.photos) {
+    cameras[photo.id] = {calib.cameras.at(photo.camera), photo.camera_from_world};
+  }
+  if (cameras.empty()) {
+    throw Error((work / "calib" / "poses.json").string() + ": no photograph has a pose");
+  }
+  return cameras;
+}
+
 PosedCamera PhotoCamera(const std::filesystem::path& work, const std::string& photo_id) {
   const CalibResult calib = LoadCalib(work / "calib");
   for (const PosedImage& photo : calib.photos) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "core/camera.h"
@@ -26,5 +27,7 @@ void WriteCameraFile(const PosedCamera& camera, const std::filesystem::path& fil
 /// The calibrated camera of a photograph in a workspace folder (WORK/calib). Throws Error when the
 /// folder holds no calibration or the photograph is not among the posed ones.
 PosedCamera PhotoCamera(const std::filesystem::path& work, const std::string& photo_id);
+/// Those of all photographs that have a pose, by their ids.
+std::map<std::string, PosedCamera> PhotoCameras(const std::filesystem::path& work);
 
 }  // namespace lfm

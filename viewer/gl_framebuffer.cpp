@@ -64,14 +64,15 @@ void GlFramebuffer::ResolveInto(const GlFramebuffer& target) const {
 
 void GlFramebuffer::CopyToWindow() const { Blit(framebuffer_.name(), 0, width_, height_); }
 
-Image GlFramebuffer::Read() const {
+Image GlFramebuffer::Read(int channels) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  const size_t row_bytes = size_t{3} * width_;
+  const size_t row_bytes = size_t{1} * channels * width_;
   std::vector<uint8_t> rows_from_bottom(row_bytes * height_);
-  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, rows_from_bottom.data());
+  glReadPixels(0, 0, width_, height_, channels == 4 ? GL_RGBA : GL_RGB, GL_UNSIGNED_BYTE,
+               rows_from_bottom.data());
   CheckGl("read the picture back");
-  Image image(width_, height_, 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  Image image(width_, height_, channels, PixelType::kUint8, ColorEncoding::kSrgb);
   for (int y = 0; y < height_; ++y) {
     std::memcpy(&image.At<uint8_t>(0, y), &rows_from_bottom[row_bytes * (height_ - 1 - y)],
                 row_bytes);

@@ -21,8 +21,9 @@ class GlFramebuffer {
   void ResolveInto(const GlFramebuffer& target) const;
   /// Copies the picture into framebuffer 0 (a window's) of the same size.
   void CopyToWindow() const;
-  /// The picture, rows from the top; RGB, 8-bit sRGB. Only of a framebuffer with one sample.
-  Image Read() const;
+  /// The picture, rows from the top; 8-bit sRGB, RGB or (4 channels) RGBA. Only of a framebuffer
+  /// with one sample.
+  Image Read(int channels = 3) const;
 
  private:
   int width_, height_, samples_;

@@ -168,7 +168,8 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   glDisable(GL_DITHER);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
-  glClearColor(options.background[0], options.background[1], options.background[2], 1);
+  glClearColor(options.background[0], options.background[1], options.background[2],
+               options.background_alpha);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
   const GLuint program = state_->program.name();

@@ -23,6 +23,7 @@ struct GlRenderOptions {
   ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel;
   EdgeOverlay edges = EdgeOverlay::kNone;
   Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded
+  float background_alpha = 1;              ///< of a framebuffer that has alpha; the model has 1
 };
 
 /// Draws a model with OpenGL 3.3: all terms in one pass, float arithmetic on sRGB-coded values,

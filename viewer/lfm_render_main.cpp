@@ -2,78 +2,161 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/atomic_file.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/image.h"
 #include "core/progress.h"
+#include "encode/glb.h"
 #include "encode/transport_form.h"
 #include "viewer/camera_file.h"
+#include "viewer/camera_path.h"
+#include "viewer/gl_pictures.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/reference_renderer.h"
 #include "viewer/view_options.h"
+#include "viewer/web_page.h"
 
 namespace {
 
+enum class Renderer { kCpu, kGl };
+
 struct RenderCommandOptions {
+  Renderer renderer = Renderer::kCpu;
   int turntable = 0;
+  std::string path;
   std::string camera;
   std::string work;
   std::string photo;
   int supersample = 2;
   bool alpha = false;
+  bool web = false;
   void Declare(lfm::OptionVisitor& v) {
+    v.Enumeration({"renderer",
+                   "The reference, which casts rays and knows every lens (cpu), or OpenGL without "
+                   "a display, which draws pinhole pictures faster (gl)."},
+                  {"cpu", "gl"}, renderer);
     v.Integer({"turntable", "Render this many frames of a full turn into the folder OUT.", "frames",
                0, 100000},
               turntable);
+    v.Text({"path",
+            "Render the film of this camera path (JSON, docs/formats.md) into the folder "
+            "OUT."},
+           path);
     v.Text({"camera", "Render from the camera in this JSON file (docs/formats.md)."}, camera);
-    v.Text({"work", "A pipeline's working folder: render from one of its photographs' cameras."},
+    v.Text({"work",
+            "A pipeline's working folder: render from its photographs' cameras, all of them into "
+            "the folder OUT, or one with --photo."},
            work);
     v.Text({"photo", "With --work: the photograph's id."}, photo);
-    v.Integer({"supersample", "Rays a pixel, squared: smoother edges against time.", "", 1, 16},
+    v.Integer({"supersample", "Samples a pixel, squared: smoother edges against time.", "", 1, 16},
               supersample);
-    v.Flag({"alpha", "Write the object alone, RGBA with straight alpha (PNG only)."}, alpha);
+    v.Flag({"alpha", "Write the object alone: RGBA, straight alpha in PNG, associated in EXR."},
+           alpha);
+    v.Flag({"web",
+            "Write the model for browsers: OUT is a folder with model.html, which opens from disk, "
+            "and index.html for a web server."},
+           web);
+  }
+  /// Whether OUT is a folder of many pictures.
+  bool WritesFolder() const {
+    return turntable > 0 || !path.empty() || (!work.empty() && photo.empty());
   }
 };
 
 void CheckUsage(const RenderCommandOptions& options, const std::filesystem::path& out) {
-  if (options.work.empty() != options.photo.empty()) {
-    throw lfm::Error("--work and --photo belong together; give both or none");
+  if (options.work.empty() && !options.photo.empty()) {
+    throw lfm::Error("--photo names a photograph of --work; give both");
   }
-  const int sources = (options.turntable > 0) + !options.camera.empty() + !options.work.empty();
+  const int sources = (options.turntable > 0) + !options.path.empty() + !options.camera.empty() +
+                      !options.work.empty();
   if (sources > 1) {
-    throw lfm::Error("--turntable, --camera and --work exclude each other; give one of them");
+    throw lfm::Error("--turntable, --path, --camera and --work exclude each other; give one");
+  }
+  if (options.web && (sources > 0 || options.alpha)) {
+    throw lfm::Error("--web writes pages, no pictures; leave the other options of Output out");
+  }
+  const bool folder = options.web || options.WritesFolder();
+  if (folder && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
+    throw lfm::Error(out.string() + " is a file and a folder is to be written; name another");
   }
   const std::string ending = out.extension().string();
-  if (options.turntable == 0 && ending != ".png" && (options.alpha || ending != ".jpg")) {
+  if (!folder && ending != ".png" && ending != ".exr" && (options.alpha || ending != ".jpg")) {
     throw lfm::Error("cannot write " + out.string() +
-                     ": the picture's name must end in .png, or .jpg without --alpha");
-  }
-  if (options.turntable > 0 && std::filesystem::exists(out) &&
-      !std::filesystem::is_directory(out)) {
-    throw lfm::Error(out.string() + " is a file and --turntable needs a folder; name another");
+                     ": the picture's name must end in .png or .exr, or .jpg without --alpha");
   }
 }
 
-std::vector<lfm::PosedCamera> ChooseCameras(const lfm::TriangleMesh& mesh,
-                                            const lfm::ViewOptions& view,
-                                            const RenderCommandOptions& options) {
-  if (!options.camera.empty()) return {lfm::ReadCameraFile(options.camera)};
-  if (!options.work.empty()) return {lfm::PhotoCamera(options.work, options.photo)};
+/// A picture to be made.
+struct Shot {
+  lfm::PosedCamera camera;
+  std::filesystem::path file;
+};
+
+std::filesystem::path FramePath(const std::filesystem::path& folder, size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame_%04zu.png", frame);
+  return folder / name;
+}
+
+std::vector<Shot> PhotographShots(const RenderCommandOptions& options,
+                                  const std::filesystem::path& out) {
+  if (!options.photo.empty()) return {{lfm::PhotoCamera(options.work, options.photo), out}};
+  std::vector<Shot> shots;
+  for (const auto& [id, camera] : lfm::PhotoCameras(options.work)) {
+    shots.push_back({camera, out / (id + ".png")});
+  }
+  return shots;
+}
+
+std::vector<Shot> PlanShots(const lfm::TriangleMesh& mesh, const lfm::ViewOptions& view,
+                            const RenderCommandOptions& options, const std::filesystem::path& out) {
+  if (!options.camera.empty()) return {{lfm::ReadCameraFile(options.camera), out}};
+  if (!options.work.empty()) return PhotographShots(options, out);
   const lfm::PictureSize size = lfm::ParsePictureSize(view.size);
-  std::vector<lfm::PosedCamera> cameras;
   const lfm::OrbitCamera start = lfm::MakeOrbitCamera(mesh, view);
-  for (const lfm::OrbitCamera& camera : lfm::TurntablePath(start, std::max(options.turntable, 1))) {
-    cameras.push_back(
-        {lfm::PinholeCamera(camera, size.width, size.height), lfm::CameraFromWorld(camera)});
+  std::vector<lfm::OrbitCamera> cameras = {start};
+  if (options.turntable > 0) cameras = lfm::TurntablePath(start, options.turntable);
+  if (!options.path.empty()) cameras = lfm::FramesOf(lfm::ReadCameraPath(options.path, start));
+  std::vector<Shot> shots;
+  for (const lfm::OrbitCamera& camera : cameras) {
+    shots.push_back(
+        {{lfm::PinholeCamera(camera, size.width, size.height), lfm::CameraFromWorld(camera)},
+         options.WritesFolder() ? FramePath(out, shots.size()) : out});
   }
-  return cameras;
+  return shots;
 }
 
-/// A turntable is counted in frames; the rows of one frame only look out for Ctrl-C.
+using RenderFunction = std::function<lfm::Rendering(const lfm::PosedCamera&, lfm::Progress&)>;
+
+/// Either renderer, behind one call.
+RenderFunction MakeRenderer(const lfm::LightFieldModel& model, Renderer which,
+                            const lfm::RenderOptions& options) {
+  if (which == Renderer::kGl) {
+    const auto gl = std::make_shared<lfm::GlPictures>(model);
+    return [gl, options](const lfm::PosedCamera& posed, lfm::Progress& rows) {
+      return gl->Render(posed.camera, posed.camera_from_world, options, rows);
+    };
+  }
+  const auto cpu = std::make_shared<lfm::ReferenceRenderer>(model);
+  return [cpu, options](const lfm::PosedCamera& posed, lfm::Progress& rows) {
+    return cpu->Render(posed.camera, posed.camera_from_world, options, rows);
+  };
+}
+
+const lfm::Image& PictureOf(const lfm::Rendering& rendering, const std::filesystem::path& file,
+                            bool alpha) {
+  if (file.extension() == ".exr") return alpha ? rendering.linear_layer : rendering.linear_color;
+  return alpha ? rendering.layer : rendering.color;
+}
+
+/// Many pictures are counted one by one; the rows of one frame only look out for Ctrl-C.
 class RowsOfAFrame : public lfm::Progress {
  public:
   void Start(std::string_view, int64_t) override {}
@@ -83,10 +166,17 @@ class RowsOfAFrame : public lfm::Progress {
   void Note(std::string_view) override {}
 };
 
-std::filesystem::path FramePath(const std::filesystem::path& folder, size_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "frame_%04zu.png", frame);
-  return folder / name;
+/// The model as it is where it is a .glb, else written as one. What is no model is an Error.
+void WriteForBrowsers(const std::string& model_file, const std::filesystem::path& out,
+                      lfm::Progress& progress) {
+  progress.Start("write the pages", 1);
+  const lfm::DecodedModel decoded = lfm::ReadModel(model_file);
+  if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
+  const std::filesystem::path path = model_file;
+  const std::string glb =
+      path.extension() == ".glb" ? lfm::ReadFile(path) : lfm::GlbBytes(decoded.model);
+  lfm::WriteWebFolder(glb, path.stem().string(), out);
+  progress.Advance();
 }
 
 }  // namespace
@@ -95,39 +185,40 @@ int main(int argc, char** argv) {
   std::string model_file, out;
   lfm::ViewOptions view;
   RenderCommandOptions options;
-  lfm::CommandLine command("lfm-render",
-                           "Renders a model without a display: one picture, a turntable, or the "
-                           "view of a given camera.",
-                           "lfm-render demo/work/encode/model.glb bust.png --azimuth 30");
+  lfm::CommandLine command(
+      "lfm-render",
+      "Renders a model without a display: one picture, a turntable, a film, or "
+      "the views of given cameras; or writes it for browsers (--web).",
+      "lfm-render demo/work/encode/model.glb bust.png --azimuth 30");
   command.Positional("MODEL", "The model, a .glb, .lfz or .wrl file.", model_file);
-  command.Positional("OUT", "The picture to write (.png); with --turntable, a folder.", out);
+  command.Positional(
+      "OUT",
+      "The picture to write (.png, .exr, .jpg); a folder with --turntable, --path, --web, and "
+      "with --work for all photographs.",
+      out);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     CheckUsage(options, out);
+    if (options.web) return WriteForBrowsers(model_file, out, progress);
     lfm::RenderOptions render;
     render.evaluation = lfm::MakeEvaluationOptions(view);
     render.samples_per_side = options.supersample;
     render.background = lfm::ParseColor(view.background);
+    render.linear_light = std::filesystem::path(out).extension() == ".exr";
     lfm::DecodedModel decoded = lfm::ReadModel(model_file);
     if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
-    const lfm::ReferenceRenderer renderer(std::move(decoded.model));
-    const std::vector<lfm::PosedCamera> cameras =
-        ChooseCameras(renderer.model().mesh, view, options);
-    const auto render_one = [&](const lfm::PosedCamera& camera, const std::filesystem::path& file,
-                                lfm::Progress& rows) {
-      const lfm::Rendering rendering =
-          renderer.Render(camera.camera, camera.camera_from_world, render, rows);
-      lfm::WriteImage(options.alpha ? rendering.layer : rendering.color, file);
+    const std::vector<Shot> shots = PlanShots(decoded.model.mesh, view, options, out);
+    const RenderFunction renderer = MakeRenderer(decoded.model, options.renderer, render);
+    const auto render_one = [&](const Shot& shot, lfm::Progress& rows) {
+      const lfm::Rendering rendering = renderer(shot.camera, rows);
+      lfm::WriteImage(PictureOf(rendering, shot.file, options.alpha), shot.file);
     };
-    if (options.turntable == 0) {
-      render_one(cameras[0], out, progress);
-      return;
-    }
+    if (!options.WritesFolder()) return render_one(shots.at(0), progress);
     RowsOfAFrame rows;
-    progress.Start("render the turntable", static_cast<int64_t>(cameras.size()));
-    for (size_t i = 0; i < cameras.size(); ++i) {
-      render_one(cameras[i], FramePath(out, i), rows);
+    progress.Start("render", static_cast<int64_t>(shots.size()));
+    for (const Shot& shot : shots) {
+      render_one(shot, rows);
       progress.Advance();
     }
   });

@@ -18,6 +18,7 @@ struct RenderOptions {
   EvaluationOptions evaluation;
   int samples_per_side = 1;                ///< supersampling: this many squared rays a pixel, 1-16
   Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded, [0, 1]
+  bool linear_light = false;               ///< the pictures in linear light too
 };
 
 /// A rendered view.
@@ -27,6 +28,9 @@ struct Rendering {
   /// 8-bit sRGB RGBA: the model alone, straight alpha = coverage; (0, 0, 0, 0) where nothing is
   /// hit.
   Image layer;
+  /// With linear_light, float: RGB over the background; RGBA of the model alone, associated alpha
+  /// (colours times coverage), as EXR files have it. Else empty.
+  Image linear_color, linear_layer;
 };
 
 /// Defines what a model looks like: one Embree ray a sample through the camera's full lens model,

@@ -171,8 +171,70 @@ TEST_F(LfmRenderCommand, RendersFromThePhotographsCameraOfAWorkFolder) {
   const PosedCamera camera = PhotoCamera(work, "photo_007");
   EXPECT_TRUE(ReadImage(out_).Bytes() == Expected(camera, 16, 1).color.Bytes());
   fs::remove(out_);
+  const fs::path folder = scratch_.folder / "views";
+  ASSERT_EQ(Run({model_, folder, "--work", work, "--supersample", "1"}).status, 0);
+  EXPECT_TRUE(ReadImage(folder / "photo_007.png").Bytes() == Expected(camera, 16, 1).color.Bytes());
+  ExpectRefusal({model_, out_, "--work", work, "--photo", "photo_007", "--renderer", "gl"},
+                {"lens", "--renderer gl"});
   ExpectRefusal({model_, out_, "--work", work, "--photo", "photo_8"}, {"photo_8", "photo_007"});
   ExpectRefusal({model_, out_, "--work", work + "-absent", "--photo", "photo_007"}, {"absent"});
+}
+
+TEST_F(LfmRenderCommand, WritesLinearLightAsExr) {
+  ViewOptions view;
+  view.size = "60x50";
+  const Rendering expected = Expected(OrbitView(view), 16, 2);
+  const fs::path file = scratch_.folder / "out.exr";
+  ASSERT_EQ(Run({model_, file, "--size", "60x50"}).status, 0);
+  const Image picture = ReadImage(file);
+  ASSERT_EQ(picture.channels(), 3);
+  ASSERT_EQ(picture.encoding(), ColorEncoding::kLinear);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      EXPECT_NEAR(255 * SrgbFromLinear(picture.At<float>(x, y, 1)),
+                  expected.color.At<uint8_t>(x, y, 1), 0.6);
+    }
+  }
+  ASSERT_EQ(Run({model_, file, "--size", "60x50", "--alpha"}).status, 0);
+  EXPECT_EQ(ReadImage(file).channels(), 4);
+}
+
+TEST_F(LfmRenderCommand, OpenGlShowsTheSame) {
+  ViewOptions view;
+  view.size = "60x50";
+  const Rendering expected = Expected(OrbitView(view), 16, 2);
+  ASSERT_EQ(Run({model_, out_, "--size", "60x50", "--renderer", "gl"}).status, 0);
+  EXPECT_GT(CompareImages(ReadImage(out_), expected.color).psnr_db, 35) << "silhouettes and all";
+}
+
+TEST_F(LfmRenderCommand, FilmsACameraPath) {
+  const fs::path path = scratch_.folder / "path.json", folder = scratch_.folder / "film";
+  WriteFileAtomically(path, R"({"frames_per_second": 2, "keys": [
+      {"time": 0, "azimuth": 300, "elevation": 25}, {"time": 1, "azimuth": 20, "elevation": 40}]})");
+  ASSERT_EQ(Run({model_, folder, "--path", path, "--size", "60x50"}).status, 0);
+  ViewOptions view;
+  view.size = "60x50";
+  EXPECT_GT(
+      CompareImages(ReadImage(folder / "frame_0000.png"), Expected(OrbitView(view), 16, 2).color)
+          .psnr_db,
+      50);
+  EXPECT_TRUE(fs::exists(folder / "frame_0002.png"));
+  EXPECT_FALSE(fs::exists(folder / "frame_0003.png"));
+  ExpectRefusal({model_, out_, "--path", path, "--turntable", "3"}, {"exclude"});
+  ExpectRefusal({model_, model_, "--path", path}, {"folder"});
+  ExpectRefusal({model_, out_, "--path", scratch_.folder / "absent.json"}, {"absent.json"});
+}
+
+TEST_F(LfmRenderCommand, WritesThePagesForBrowsers) {
+  const fs::path folder = scratch_.folder / "web";
+  ASSERT_EQ(Run({model_, folder, "--web"}).status, 0);
+  EXPECT_EQ(ReadFile(folder / "model.glb"), ReadFile(model_));
+  for (const char* name : {"index.html", "app.js", "model.html"}) {
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  }
+  ExpectRefusal({model_, out_, "--web", "--turntable", "2"}, {"--web"});
+  ExpectRefusal({model_, model_, "--web"}, {"folder"});
+  ExpectRefusal({scratch_.folder / "absent.glb", out_, "--web"}, {"absent.glb"});
 }
 
 TEST_F(LfmRenderCommand, RefusesModelsThatAreNone) {

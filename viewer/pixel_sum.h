@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "viewer/reference_renderer.h"
+
+namespace lfm {
+
+/// What the samples of one pixel gathered. A pixel of one sample keeps its code without a round
+/// trip through linear light.
+struct PixelSum {
+  int hits = 0;
+  Eigen::Vector3f linear = Eigen::Vector3f::Zero();
+  Eigen::Vector3f coded = Eigen::Vector3f::Zero();  ///< of the last hit
+
+  void Add(const Eigen::Vector3f& color);
+};
+
+/// Pictures of width x height with nothing in them.
+Rendering EmptyRendering(int width, int height, const RenderOptions& options);
+
+/// Throws Error unless samples_per_side lies in [1, 16] and the background in [0, 1].
+void ValidateOptions(const RenderOptions& options);
+
+/// Writes pixel (x, y) of all pictures, of samples_per_side^2 samples.
+void StorePixel(const PixelSum& sum, const RenderOptions& options, int x, int y,
+                Rendering& rendering);
+
+}  // namespace lfm

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+
+/// What viewer/web/build.mjs makes of viewer/web, held by the program.
+namespace lfm::web_bundle {
+
+std::string_view AppJs();
+std::string_view IndexHtml();
+std::string_view SingleHtml();  ///< with places for the title and for the model in base 64
+
+}  // namespace lfm::web_bundle
