@@ -32,11 +32,20 @@ OrbitCamera CameraAt(const Place& place, const OrbitCamera& like) {
   return camera;
 }
 
-// Change a second at a key; none at the ends.
+// Change a second at a key; none at the ends, and none where the direction turns round: between two
+// keys nothing runs beyond them (Fritsch and Carlson's condition, by their harmonic mean).
 Place SpeedAt(const std::vector<CameraPath::Key>& keys, size_t i) {
   if (i == 0 || i + 1 == keys.size()) return Place::Zero();
-  return (PlaceOf(keys[i + 1].camera) - PlaceOf(keys[i - 1].camera)) /
-         (keys[i + 1].time - keys[i - 1].time);
+  const double before_s = keys[i].time - keys[i - 1].time;
+  const double after_s = keys[i + 1].time - keys[i].time;
+  const Place before = (PlaceOf(keys[i].camera) - PlaceOf(keys[i - 1].camera)) / before_s;
+  const Place after = (PlaceOf(keys[i + 1].camera) - PlaceOf(keys[i].camera)) / after_s;
+  const double w1 = 2 * after_s + before_s, w2 = after_s + 2 * before_s;
+  Place speed = Place::Zero();
+  for (int k = 0; k < speed.size(); ++k) {
+    if (before[k] * after[k] > 0) speed[k] = (w1 + w2) / (w1 / before[k] + w2 / after[k]);
+  }
+  return speed;
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ struct CameraPath {
 CameraPath ReadCameraPath(const std::filesystem::path& file, const OrbitCamera& start);
 
 /// A camera a frame, from the first key to the last: azimuth, elevation, target and the logarithm
-/// of the distance run along cubic curves through the keys (Catmull-Rom: the speed at a key is that
-/// from the key before it to the one behind), and rest at both ends.
+/// of the distance run along cubic curves through the keys that never run beyond them, and rest at
+/// both ends.
 std::vector<OrbitCamera> FramesOf(const CameraPath& path);
 
 }  // namespace lfm

@@ -22,7 +22,7 @@ namespace lfm {
 ///
 /// Pages in blocks are uploaded as blocks. Surface pages of three planes have three layers each.
 struct GlLightFieldMaps {
-  static constexpr int kTableWidth = 1024;
+  static constexpr int kTableWidth = 1024;  ///< the shaders know it
   static constexpr int kMostTerms = 16;
 
   GlObject mean, surface, view;  ///< GL_TEXTURE_2D_ARRAY, RGB8, BC1 or BC4, bilinear, clamped

@@ -51,14 +51,17 @@ void StoreTile(const Image& samples, const Tile& tile, const RenderOptions& opti
 }  // namespace
 
 struct GlPictures::State {
-  State(const LightFieldModel& model, int side) : renderer(model), tile_side(side) {}
+  State(const LightFieldModel& model, ViewCoordinates coordinates, int side)
+      : renderer(model), view_coordinates(coordinates), tile_side(side) {}
   EglContext context;  // before what lives in it
   GlRenderer renderer;
+  ViewCoordinates view_coordinates;
   int tile_side;
 };
 
-GlPictures::GlPictures(const LightFieldModel& model, int tile_side)
-    : state_(std::make_unique<State>(model, tile_side)) {
+GlPictures::GlPictures(const LightFieldModel& model, ViewCoordinates view_coordinates,
+                       int tile_side)
+    : state_(std::make_unique<State>(model, view_coordinates, tile_side)) {
   if (tile_side < 16) throw Error("tiles have 16 samples a side at least", ErrorKind::kSystem);
 }
 GlPictures::~GlPictures() = default;
@@ -78,6 +81,7 @@ Rendering GlPictures::Render(const Camera& camera, const Pose& camera_from_world
   Rendering rendering = EmptyRendering(camera.width, camera.height, options);
   GlRenderOptions gl_options;
   gl_options.evaluation = options.evaluation;
+  gl_options.view_coordinates = state_->view_coordinates;
   gl_options.background_alpha = 0;
   progress.Start("render", camera.height);
   for (int y = 0; y < camera.height; y += side) {

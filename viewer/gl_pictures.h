@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "viewer/gl_renderer.h"
 #include "viewer/reference_renderer.h"
 
 namespace lfm {
@@ -15,7 +16,9 @@ class GlPictures {
   static constexpr int kTileSide = 2048;  ///< samples
 
   /// Throws Error as EglContext and GlRenderer do. `tile_side`: samples, at least 16.
-  explicit GlPictures(const LightFieldModel& model, int tile_side = kTileSide);
+  explicit GlPictures(const LightFieldModel& model,
+                      ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel,
+                      int tile_side = kTileSide);
   ~GlPictures();
   GlPictures(GlPictures&&) noexcept;
 

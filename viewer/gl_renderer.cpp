@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -90,6 +91,12 @@ void SetSampler(GLuint program, const char* name, GLint unit, GLenum target,
   glUniform1i(glGetUniformLocation(program, name), unit);
 }
 
+/// The source with these lines behind its first one, which has to be the version.
+std::string WithConstants(const std::string& source, const std::string& constants) {
+  const size_t line = source.find('\n') + 1;
+  return source.substr(0, line) + constants + source.substr(line);
+}
+
 void SetInteger(GLuint program, const char* name, int value) {
   glUniform1i(glGetUniformLocation(program, name), value);
 }
@@ -103,7 +110,10 @@ void SetIntegers(GLuint program, const char* name, std::span<const int> values) 
 
 struct GlRenderer::State {
   GlLightFieldMaps maps;
-  GlObject program, vertex_array, vertex_buffer;
+  GlObject vertex_array, vertex_buffer;
+  /// By the constants in their sources, made when they are first used: a branch on a uniform costs
+  /// software both ways.
+  std::map<std::string, GlObject> programs;
   Eigen::Vector3d center;
   double radius = 1;  ///< of the mesh round center, mm
   int corner_count = 0, vertex_count = 0;
@@ -124,8 +134,6 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   }
   state_->center = (low + high) / 2;
   state_->radius = std::max((high - low).norm() / 2, 1e-6);
-  state_->program = MakeProgram(shaders::kLightFieldVertex, shaders::kLightFieldFragment,
-                                {"position", "corners", "triangle"});
   state_->maps = UploadMaps(model);
   const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->center);
   state_->corner_count = static_cast<int>(vertices.size());
@@ -143,9 +151,35 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   state_->blocks = !model.blocks.empty();
   state_->surface_planes = model.SurfacePlanes();
   state_->triangle_count = static_cast<int>(model.mesh.triangles.size());
+  ProgramFor({});  // what the driver has to say about the shaders, it says now
 }
 GlRenderer::~GlRenderer() = default;
 GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
+
+uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options) const {
+  const int terms = std::clamp(options.evaluation.terms, 0, state_->terms);
+  const bool at_corners = options.view_coordinates == ViewCoordinates::kMapsAtCorners &&
+                          terms > 0 && terms <= kMostCornerTerms;
+  const auto constant = [](const char* name, int value) {
+    return std::string("const int ") + name + " = " + std::to_string(value) + ";\n";
+  };
+  const std::string constants =
+      (at_corners ? "#define LFM_CORNER_TERMS " + std::to_string(terms) + "\n" : "") +
+      "#define LFM_CONSTANTS\n" + constant("codebooks", state_->codebooks) +
+      constant("blocks", state_->blocks) + constant("surface_planes", state_->surface_planes) +
+      constant("direction_map", static_cast<int>(state_->direction_map)) +
+      constant("mean_in_terms", state_->mean_in_terms) +
+      constant("view_coordinates_per_vertex",
+               options.view_coordinates == ViewCoordinates::kPerVertex) +
+      constant("wireframe", options.edges == EdgeOverlay::kWireframe);
+  GlObject& program = state_->programs[constants];
+  if (program.name() == 0) {
+    program = MakeProgram(WithConstants(shaders::kLightFieldVertex, constants),
+                          WithConstants(shaders::kLightFieldFragment, constants),
+                          {"position", "corners", "triangle"});
+  }
+  return program.name();
+}
 
 void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
                       const GlRenderOptions& options) const {
@@ -172,7 +206,7 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
                options.background_alpha);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
-  const GLuint program = state_->program.name();
+  const GLuint program = ProgramFor(options);
   glUseProgram(program);
   SetSampler(program, "mean_maps", 0, GL_TEXTURE_2D_ARRAY, state_->maps.mean);
   SetSampler(program, "surface_maps", 1, GL_TEXTURE_2D_ARRAY, state_->maps.surface);
@@ -181,9 +215,6 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetSampler(program, "ranges", 4, GL_TEXTURE_2D, state_->maps.ranges);
   SetSampler(program, "patches", 5, GL_TEXTURE_2D, state_->maps.patches);
   SetSampler(program, "tiles", 6, GL_TEXTURE_2D, state_->maps.tiles);
-  SetInteger(program, "codebooks", state_->codebooks);
-  SetInteger(program, "blocks", state_->blocks);
-  SetInteger(program, "surface_planes", state_->surface_planes);
   SetInteger(program, "triangle_count", state_->triangle_count);
   glUniformMatrix4fv(glGetUniformLocation(program, "clip_from_model"), 1, GL_FALSE,
                      clip_from_model.data());
@@ -195,12 +226,6 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetIntegers(program, "view_first", state_->maps.view_first);
   SetInteger(program, "view_tiles_per_row", state_->view_tiles_per_row);
   SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
-  SetInteger(program, "table_width", GlLightFieldMaps::kTableWidth);
-  SetInteger(program, "direction_map", static_cast<int>(state_->direction_map));
-  SetInteger(program, "mean_in_terms", state_->mean_in_terms);
-  SetInteger(program, "view_coordinates_per_vertex",
-             options.view_coordinates == ViewCoordinates::kPerVertex);
-  SetInteger(program, "wireframe", options.edges == EdgeOverlay::kWireframe);
   glBindVertexArray(state_->vertex_array.name());
   glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
   glBindVertexArray(0);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/camera.h"
+#include "core/options.h"
 #include "core/pose.h"
 #include "encode/model.h"
 #include "encode/model_evaluation.h"
@@ -14,7 +15,20 @@ namespace lfm {
 enum class ViewCoordinates {
   kPerPixel,   ///< exact, as the reference renderer does
   kPerVertex,  ///< the paper's form (Equation 7): at the corners, interpolated over the triangle
+  /// View maps are read at the corners, and what they say is interpolated: far fewer readings,
+  /// since triangles have fewer corners than pixels; a triangle spans less than a texel of a view
+  /// map. Models with more than kMostCornerTerms terms are drawn as with kPerPixel.
+  kMapsAtCorners,
 };
+
+/// The option of the commands that draw with OpenGL.
+inline void DeclareViewCoordinates(OptionVisitor& v, ViewCoordinates& value) {
+  v.Enumeration({"view-coordinates",
+                 "Where the direction of view is turned into places of view maps: at each pixel, "
+                 "exact; at the triangles' corners, as the paper does (vertex); or view maps are "
+                 "read at the corners altogether (corner-maps): fastest."},
+                {"pixel", "vertex", "corner-maps"}, value);
+}
 
 enum class EdgeOverlay { kNone, kWireframe };
 
@@ -38,6 +52,9 @@ class GlRenderer {
   ~GlRenderer();
   GlRenderer(GlRenderer&&) noexcept;
 
+  /// As many as fit beside the rest into what shaders hand over.
+  static constexpr int kMostCornerTerms = 8;
+
   /// Clears the bound framebuffer, whose viewport is camera.width x camera.height, and draws.
   /// Throws Error when the camera has lens distortion: a rasteriser draws pinhole pictures only.
   void Draw(const Camera& camera, const Pose& camera_from_world,
@@ -45,6 +62,7 @@ class GlRenderer {
 
  private:
   struct State;
+  uint32_t ProgramFor(const GlRenderOptions& options) const;
   std::unique_ptr<State> state_;
 };
 

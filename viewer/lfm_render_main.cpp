@@ -29,6 +29,7 @@ enum class Renderer { kCpu, kGl };
 
 struct RenderCommandOptions {
   Renderer renderer = Renderer::kCpu;
+  lfm::ViewCoordinates view_coordinates = lfm::ViewCoordinates::kPerPixel;
   int turntable = 0;
   std::string path;
   std::string camera;
@@ -42,6 +43,7 @@ struct RenderCommandOptions {
                    "The reference, which casts rays and knows every lens (cpu), or OpenGL without "
                    "a display, which draws pinhole pictures faster (gl)."},
                   {"cpu", "gl"}, renderer);
+    lfm::DeclareViewCoordinates(v, view_coordinates);
     v.Integer({"turntable", "Render this many frames of a full turn into the folder OUT.", "frames",
                0, 100000},
               turntable);
@@ -73,6 +75,10 @@ struct RenderCommandOptions {
 void CheckUsage(const RenderCommandOptions& options, const std::filesystem::path& out) {
   if (options.work.empty() && !options.photo.empty()) {
     throw lfm::Error("--photo names a photograph of --work; give both");
+  }
+  if (options.renderer == Renderer::kCpu &&
+      options.view_coordinates != lfm::ViewCoordinates::kPerPixel) {
+    throw lfm::Error("--view-coordinates is of --renderer gl; give both");
   }
   const int sources = (options.turntable > 0) + !options.path.empty() + !options.camera.empty() +
                       !options.work.empty();
@@ -136,10 +142,10 @@ std::vector<Shot> PlanShots(const lfm::TriangleMesh& mesh, const lfm::ViewOption
 using RenderFunction = std::function<lfm::Rendering(const lfm::PosedCamera&, lfm::Progress&)>;
 
 /// Either renderer, behind one call.
-RenderFunction MakeRenderer(const lfm::LightFieldModel& model, Renderer which,
+RenderFunction MakeRenderer(const lfm::LightFieldModel& model, const RenderCommandOptions& command,
                             const lfm::RenderOptions& options) {
-  if (which == Renderer::kGl) {
-    const auto gl = std::make_shared<lfm::GlPictures>(model);
+  if (command.renderer == Renderer::kGl) {
+    const auto gl = std::make_shared<lfm::GlPictures>(model, command.view_coordinates);
     return [gl, options](const lfm::PosedCamera& posed, lfm::Progress& rows) {
       return gl->Render(posed.camera, posed.camera_from_world, options, rows);
     };
@@ -209,7 +215,7 @@ int main(int argc, char** argv) {
     lfm::DecodedModel decoded = lfm::ReadModel(model_file);
     if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
     const std::vector<Shot> shots = PlanShots(decoded.model.mesh, view, options, out);
-    const RenderFunction renderer = MakeRenderer(decoded.model, options.renderer, render);
+    const RenderFunction renderer = MakeRenderer(decoded.model, options, render);
     const auto render_one = [&](const Shot& shot, lfm::Progress& rows) {
       const lfm::Rendering rendering = renderer(shot.camera, rows);
       lfm::WriteImage(PictureOf(rendering, shot.file, options.alpha), shot.file);

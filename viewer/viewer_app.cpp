@@ -111,8 +111,7 @@ void RunViewer(const LightFieldModel& model, const ViewOptions& view,
   const PictureSize size = ParsePictureSize(view.size);
   ViewerState state = MakeViewerState(model, view);
   state.edges = options.wireframe ? EdgeOverlay::kWireframe : EdgeOverlay::kNone;
-  state.view_coordinates = options.view_coordinates_per_vertex ? ViewCoordinates::kPerVertex
-                                                               : ViewCoordinates::kPerPixel;
+  state.view_coordinates = options.view_coordinates;
   Window window("lfm-viewer", size,
                 screenshot ? WindowVisibility::kHidden : WindowVisibility::kShown);
   const GlRenderer renderer(model);

@@ -5,22 +5,21 @@
 
 #include "core/options.h"
 #include "encode/model.h"
+#include "viewer/gl_renderer.h"
 #include "viewer/view_options.h"
 
 namespace lfm {
 
 struct ViewerOptions {
   bool wireframe = false;
-  bool view_coordinates_per_vertex = false;
+  ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel;
   int multisample = 4;
   std::string screenshot;
   int frames = 3;
   bool with_panel = false;
   void Declare(OptionVisitor& v) {
     v.Flag({"wireframe", "Draw the triangles' edges."}, wireframe);
-    v.Flag({"view-coordinates-per-vertex",
-            "Take view map coordinates at the corners, as the paper does: faster, less exact."},
-           view_coordinates_per_vertex);
+    DeclareViewCoordinates(v, view_coordinates);
     v.Integer({"multisample", "Samples a pixel: smoother edges against time.", "", 1, 16},
               multisample);
     v.Text({"screenshot", "Save a picture (.png) of the first view here and leave."}, screenshot);

@@ -58,9 +58,10 @@ ViewerState LayOut(ViewerState state, float frames_per_second) {
   if (ImGui::Checkbox("wireframe  W", &wireframe)) {
     state = Apply(std::move(state), ViewerAction::kToggleWireframe);
   }
-  bool per_vertex = state.view_coordinates == ViewCoordinates::kPerVertex;
-  if (ImGui::Checkbox("view coordinates a vertex", &per_vertex)) {
-    state.view_coordinates = per_vertex ? ViewCoordinates::kPerVertex : ViewCoordinates::kPerPixel;
+  auto where = static_cast<int>(state.view_coordinates);
+  ImGui::SetNextItemWidth(110);
+  if (ImGui::Combo("view coordinates", &where, "a pixel\0a vertex\0maps at corners\0")) {
+    state.view_coordinates = static_cast<ViewCoordinates>(where);
   }
   if (ImGui::Button("save S")) state.save_screenshot = true;
   ImGui::SameLine();

@@ -44,7 +44,7 @@ class GlPicturesTest : public testing::Test {
 TEST_F(GlPicturesTest, AgreeWithTheReferenceWhateverTheTiles) {
   const ReferenceRenderer reference(model_);
   for (const int tile_side : {16, 37, 2048}) {
-    const GlPictures gl(model_, tile_side);
+    const GlPictures gl(model_, ViewCoordinates::kPerPixel, tile_side);
     for (const int n : {1, 3}) {
       RenderOptions options;
       options.samples_per_side = n;

@@ -161,26 +161,37 @@ TEST_F(GlRendererTest, SilhouetteAgreesWithinAPixel) {
   EXPECT_LE(differ, 3);
 }
 
-TEST_F(GlRendererTest, CoordinatesAVertexAndAPixelAgreeFromFarAway) {
+// From far away the direction of view is the same all over a triangle.
+TEST_F(GlRendererTest, WhatIsReadAtCornersAgreesFromFarAway) {
   const LightFieldModel model = MakeSmoothRandomModel(5, DirectionMap::kHemiOctahedral);
   const GlRenderer gl(model);
   OrbitCamera orbit = View(model, 200, 25, 1);
-  GlRenderOptions per_pixel, per_vertex;
-  per_vertex.view_coordinates = ViewCoordinates::kPerVertex;
-  const auto psnr = [&](const OrbitCamera& from) {
+  ASSERT_LE(model.terms, GlRenderer::kMostCornerTerms);
+  const auto psnr = [&](const OrbitCamera& from, ViewCoordinates where, int terms) {
     const Camera camera = PinholeCamera(from, kWidth, kHeight);
     const Pose pose = CameraFromWorld(from);
     const Rendering reference = ReferenceRenderer(model).Render(camera, pose, {}, SilentProgress());
-    return CompareImages(DrawWithGl(gl, camera, pose, per_vertex),
+    GlRenderOptions per_pixel;
+    per_pixel.evaluation.terms = terms;
+    GlRenderOptions other = per_pixel;
+    other.view_coordinates = where;
+    return CompareImages(DrawWithGl(gl, camera, pose, other),
                          DrawWithGl(gl, camera, pose, per_pixel), Interior(reference.coverage, 1))
         .psnr_db;
   };
-  const double near_db = psnr(orbit);
-  orbit.vertical_fov /= 40;  // a telephoto lens: the same picture from forty times as far
-  orbit.distance *= 40;
-  const double far_db = psnr(orbit);
-  EXPECT_GT(far_db, 50);
-  EXPECT_LT(near_db, far_db);
+  OrbitCamera far = orbit;
+  far.vertical_fov /= 40;  // a telephoto lens: the same picture from forty times as far
+  far.distance *= 40;
+  for (const ViewCoordinates where :
+       {ViewCoordinates::kPerVertex, ViewCoordinates::kMapsAtCorners}) {
+    EXPECT_EQ(psnr(orbit, where, 0), 99) << "the mean view alone has no directions";
+    for (const int terms : {1, 3}) {
+      const double near_db = psnr(orbit, where, terms), far_db = psnr(far, where, terms);
+      EXPECT_GT(far_db, 50);
+      EXPECT_LT(near_db, far_db);
+      EXPECT_GT(near_db, 20);
+    }
+  }
 }
 
 TEST_F(GlRendererTest, FarFromTheOriginNothingIsLost) {

@@ -3,6 +3,9 @@
 // colour = mean + sum over terms k and corners j of surface map [k, j] times view map [k, j]
 // (Chen 2002, Equations 3 and 6), on sRGB-coded values, in float, clamped once at the end.
 
+#ifdef LFM_CORNER_TERMS
+centroid in vec3 corner_views[3 * LFM_CORNER_TERMS];
+#endif
 centroid in vec3 view_vector[3];
 centroid in vec3 corner_weights;
 flat in ivec3 patch_corners;
@@ -16,20 +19,21 @@ uniform sampler2DArray view_maps;
 uniform sampler2D ranges;
 uniform sampler2D patches;  // where each triangle's mean view lies; with codebooks its terms', too
 uniform sampler2D tiles;    // with codebooks: where each vertex's view maps lie, and their grid
+#ifndef LFM_CONSTANTS  // else they are constants, which software runs several times as fast
 uniform int codebooks;
 uniform int blocks;          // pages are in blocks: completions beyond the hypotenuse are not exact
 uniform int surface_planes;  // layers of a surface page: 1 (RGB), or one a corner
+uniform int direction_map;
+uniform int view_coordinates_per_vertex;
+uniform int mean_in_terms;
+uniform int wireframe;
+#endif
 uniform int triangle_count;
-uniform int table_width;
 uniform int terms;
 uniform int vertex_count;
 uniform int grid;
 uniform int surface_first[16];  // layer of each term's first page
 uniform int view_first[16];
-uniform int direction_map;
-uniform int view_coordinates_per_vertex;
-uniform int mean_in_terms;
-uniform int wireframe;
 
 out vec4 color;
 
@@ -41,8 +45,9 @@ vec3 ReadTexel(sampler2DArray maps, vec2 texel, int layer) {
       .rgb;
 }
 
+// Tables are 1024 texels wide: software divides integers one by one.
 vec4 Entry(sampler2D table, int entry) {
-  return texelFetch(table, ivec2(entry % table_width, entry / table_width), 0);
+  return texelFetch(table, ivec2(entry & 1023, entry >> 10), 0);
 }
 
 // Where a patch lies: sample (0, 0), and one step of i and j.
@@ -66,19 +71,24 @@ vec3 ReadPlanes(sampler2DArray maps, vec2 texel, int layer, int planes) {
               ReadTexel(maps, texel, layer * 3 + 2).r);
 }
 
-// In a cell on the hypotenuse: the plane through its three samples, as three readings along its
-// legs, whatever stands beyond the hypotenuse.
+// In a cell on the hypotenuse: the plane through its three samples, as the weighted mean of two
+// readings along its legs, whatever stands beyond the hypotenuse.
 vec3 ReadPatch(sampler2DArray maps, Patch place, vec2 weights, int layer, int planes) {
   vec2 grid_position = weights * place.last;
-  vec2 texel = place.origin + place.step * grid_position;
-  if (blocks == 0) return ReadPlanes(maps, texel, layer, planes);
+  if (blocks == 0) {
+    return ReadPlanes(maps, place.origin + place.step * grid_position, layer, planes);
+  }
   vec2 cell = min(floor(grid_position), vec2(place.last - 1.0));
-  if (cell.x + cell.y < place.last - 1.5) return ReadPlanes(maps, texel, layer, planes);
-  vec2 inside = grid_position - cell;
-  vec2 corner = place.origin + place.step * cell;
-  return ReadPlanes(maps, corner + place.step * vec2(inside.x, 0.0), layer, planes) +
-         ReadPlanes(maps, corner + place.step * vec2(0.0, inside.y), layer, planes) -
-         ReadPlanes(maps, corner, layer, planes);
+  vec2 corner = place.origin + place.step * cell, inside = grid_position - cell;
+  bool on_hypotenuse = cell.x + cell.y > place.last - 1.5;
+  vec2 share = on_hypotenuse ? inside + 0.5 * (1.0 - inside.x - inside.y) : vec2(1.0, 0.0);
+  vec2 along = inside / max(share, vec2(1e-6));
+  vec2 first = on_hypotenuse ? vec2(along.x, 0.0) : inside;
+  vec3 sum = share.x * ReadPlanes(maps, corner + place.step * first, layer, planes);
+  if (on_hypotenuse) {
+    sum += share.y * ReadPlanes(maps, corner + place.step * vec2(0.0, along.y), layer, planes);
+  }
+  return sum;
 }
 
 // 1 on the triangle's edges, falling to 0 within a pixel and a quarter.
@@ -88,6 +98,7 @@ float EdgeShare() {
 }
 
 void main() {
+#ifndef LFM_CORNER_TERMS
   vec2 view_square[3];
   for (int j = 0; j < 3; ++j) {
     vec2 square = view_coordinates_per_vertex != 0
@@ -95,6 +106,7 @@ void main() {
                       : SquareFromDirection(normalize(view_vector[j]), direction_map);
     view_square[j] = clamp(square, 0.0, 1.0);
   }
+#endif
   // Corners whose terms do not hold the mean view show it themselves.
   float mean_share = 1.0;
   if (mean_in_terms != 0 && terms > 0) {
@@ -107,12 +119,20 @@ void main() {
   weights.y = min(weights.y, 1.0 - weights.x);
   Patch place = PatchOfTriangle(0);
   vec3 sum = mean_share * ReadPatch(mean_maps, place, weights, place.page, 1);
-  for (int k = 0; k < terms; ++k) {
+  int shown = min(terms, max(corner_terms[0], max(corner_terms[1], corner_terms[2])));
+#ifdef LFM_CORNER_TERMS
+  for (int k = 0; k < LFM_CORNER_TERMS; ++k) {  // unrolled: corner_views is not indexed then
+#else
+  for (int k = 0; k < shown; ++k) {
+#endif
     if (codebooks != 0) place = PatchOfTriangle(k + 1);
     vec3 surface =
         ReadPatch(surface_maps, place, weights, surface_first[k] + place.page, surface_planes);
     for (int j = 0; j < 3; ++j) {
       vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
+#ifdef LFM_CORNER_TERMS
+      sum += (range.x * surface[j] + range.y) * corner_views[3 * k + j];
+#else
       ivec4 tile = ivec4(view_tile[j], grid);
       if (codebooks != 0) {
         tile = ivec4(Entry(tiles, k * vertex_count + patch_corners[j]) + 0.5);
@@ -120,6 +140,7 @@ void main() {
       vec3 view = ReadTexel(view_maps, vec2(tile.xy) + view_square[j] * float(tile.w - 1),
                             view_first[k] + tile.z);
       sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
+#endif
     }
   }
   if (wireframe != 0) sum = mix(sum, vec3(0.15, 0.75, 1.0), 0.7 * EdgeShare());

@@ -11,12 +11,25 @@ in int triangle;
 uniform mat4 clip_from_model;
 uniform vec3 eye;
 uniform sampler2D frames;
-uniform int table_width;
 uniform int grid;
 uniform int view_tiles_per_row;
 uniform int view_tiles_per_page;
+#ifndef LFM_CONSTANTS
 uniform int direction_map;
 uniform int view_coordinates_per_vertex;
+uniform int codebooks;
+#endif
+
+#ifdef LFM_CORNER_TERMS
+// View maps are read here, at the triangle's corners, and interpolated over it.
+uniform sampler2DArray view_maps;
+uniform sampler2D ranges;
+uniform sampler2D tiles;
+uniform int terms;
+uniform int vertex_count;
+uniform int view_first[16];
+centroid out vec3 corner_views[3 * LFM_CORNER_TERMS];  // of term k and corner j: 3 k + j
+#endif
 
 centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (square position, 0)
 centroid out vec3 corner_weights;
@@ -28,10 +41,27 @@ flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
 // xyz: an axis of the vertex's frame; w: of x the number of its view tile, of y its terms.
 vec4 FrameEntry(int vertex, int axis) {
   int entry = 3 * vertex + axis;
-  return texelFetch(frames, ivec2(entry % table_width, entry / table_width), 0);
+  return texelFetch(frames, ivec2(entry & 1023, entry >> 10), 0);
 }
 
 //#include square_from_direction
+
+#ifdef LFM_CORNER_TERMS
+vec4 VertexEntry(sampler2D table, int entry) {
+  return texelFetch(table, ivec2(entry & 1023, entry >> 10), 0);
+}
+
+// What term k of vertex v shows in direction `square`; nothing where v has no such term.
+vec3 ReadView(int k, int v, int own_terms, vec2 square, ivec3 place) {
+  if (k >= min(terms, own_terms)) return vec3(0.0);
+  ivec4 tile = ivec4(place, grid);
+  if (codebooks != 0) tile = ivec4(VertexEntry(tiles, k * vertex_count + v) + 0.5);
+  vec2 texel = vec2(tile.xy) + square * float(tile.w - 1) + 0.5;
+  vec3 at = vec3(texel / vec2(textureSize(view_maps, 0).xy), float(view_first[k] + tile.z));
+  vec4 range = VertexEntry(ranges, k * vertex_count + v);
+  return range.z * textureLod(view_maps, at, 0.0).rgb + range.w;
+}
+#endif
 
 void main() {
   gl_Position = clip_from_model * vec4(position, 1.0);
@@ -53,5 +83,11 @@ void main() {
     int slot = int(x_axis.w + 0.5), in_page = slot % view_tiles_per_page;
     view_tile[j] = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
                          slot / view_tiles_per_page);
+#ifdef LFM_CORNER_TERMS
+    vec2 square = clamp(SquareFromDirection(normalize(in_frame), direction_map), 0.0, 1.0);
+    for (int k = 0; k < LFM_CORNER_TERMS; ++k) {
+      corner_views[3 * k + j] = ReadView(k, v, corner_terms[j], square, view_tile[j]);
+    }
+#endif
   }
 }
