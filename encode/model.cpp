@@ -174,11 +174,11 @@ LightFieldModel::TilePosition LightFieldModel::ViewMapAt(int term, int number) c
       within -= counts[level] << (2 * level);
       first += counts[level++];
     }
-    const int side = 1 << level;
+    const int last = (1 << level) - 1;  // renderers ask for every pixel: no divisions
     own = grid >> level;
-    tile = first + within / (side * side);
-    x = within % side * own;
-    y = within / side % side * own;
+    tile = first + (within >> (2 * level));
+    x = (within & last) * own;
+    y = (within >> level & last) * own;
   }
   const int in_page = tile % view_tiles_per_page;
   return {tile / view_tiles_per_page, in_page % view_tiles_per_row * grid + x,

@@ -17,7 +17,7 @@ enum class ViewCoordinates {
   kPerVertex,  ///< the paper's form (Equation 7): at the corners, interpolated over the triangle
   /// View maps are read at the corners, and what they say is interpolated: far fewer readings,
   /// since triangles have fewer corners than pixels; a triangle spans less than a texel of a view
-  /// map. Models with more than kMostCornerTerms terms are drawn as with kPerPixel.
+  /// map. More than kMostCornerTerms terms are drawn as with kPerPixel.
   kMapsAtCorners,
 };
 
