@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// node build.mjs OUT NODE_MODULES: writes into the folder OUT
+//
+//   index.html, app.js           with a model.glb beside them, for any static server
+//   single.html                  one file; @LFM_TITLE@ is to be replaced by escaped text, and
+//                                @LFM_MODEL_BASE64@ by the base64 of a model
+//   lfm-surface-light-field.js   the plugin for GLTFLoader, three.js not included
+import { createHash } from 'node:crypto';
+import { mkdir, readFile, writeFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+
+const kModelPlaceholder = '@LFM_MODEL_BASE64@';
+const kTitlePlaceholder = '@LFM_TITLE@';
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+
+async function bundle(esbuild, nodeModules, options) {
+  const result = await esbuild.build({
+    bundle: true,
+    write: false,
+    minify: true,
+    charset: 'ascii',
+    target: ['es2022'],
+    loader: { '.glsl': 'text' },
+    legalComments: 'inline', // three.js's licence wants to be kept
+    nodePaths: [nodeModules],
+    logLevel: 'warning',
+    ...options,
+  });
+  return result.outputFiles[0].text.trim();
+}
+
+function hashOf(text) {
+  return `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
+}
+
+function fill(template, parts) {
+  return template.replace(/@([A-Z]+)@/g, (_, key) => parts[key]);
+}
+
+// Browsers hash an inline element's text after they have read it as HTML.
+function requireInline(text, what) {
+  if (/<!--|<\/(script|style)|[\r\0]|@LFM_/i.test(text)) {
+    throw new Error(`${what} cannot stand in a page as it is`);
+  }
+}
+
+async function main(out, nodeModules) {
+  // From the folder given: it need not be above this one.
+  const esbuildFile = createRequire(path.join(nodeModules, 'x.js')).resolve('esbuild');
+  const { default: esbuild } = await import(pathToFileURL(esbuildFile));
+  const app = await bundle(esbuild, nodeModules, {
+    entryPoints: [path.join(here, 'src/app.js')], format: 'iife',
+  });
+  const library = await bundle(esbuild, nodeModules, {
+    entryPoints: [path.join(here, 'src/index.js')], format: 'esm', external: ['three'],
+    minify: false,
+  });
+  const template = await readFile(path.join(here, 'page/page.html'), 'utf8');
+  const style = (await readFile(path.join(here, 'page/page.css'), 'utf8')).trim();
+  requireInline(app, 'the script');
+  requireInline(style, 'the style');
+
+  const single = fill(template, {
+    POLICY: `default-src 'none'; script-src ${hashOf(app)}; style-src ${hashOf(style)}; ` +
+            "base-uri 'none'; form-action 'none'",
+    HEAD: '',
+    TITLE: kTitlePlaceholder,
+    STYLE: style,
+    SCRIPT: `<script>${app}</script>\n<template id="model">${kModelPlaceholder}</template>`,
+  });
+  const folder = fill(template, {
+    POLICY: `default-src 'none'; script-src 'self'; style-src ${hashOf(style)}; ` +
+            "connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'",
+    // Without one, browsers ask the server for favicon.ico.
+    HEAD: '<meta name="model" content="model.glb">\n<link rel="icon" href="data:,">',
+    TITLE: 'Surface light field',
+    STYLE: style,
+    SCRIPT: '<script src="app.js" defer></script>',
+  });
+  await mkdir(out, { recursive: true });
+  const write = (name, text) => writeFile(path.join(out, name), `${text.trimEnd()}\n`);
+  await write('index.html', folder);
+  await write('app.js', app);
+  await write('single.html', single);
+  await write('lfm-surface-light-field.js', library);
+}
+
+const [out, nodeModules] = process.argv.slice(2);
+if (nodeModules === undefined) {
+  console.error('usage: node build.mjs OUT NODE_MODULES');
+  process.exit(2);
+}
+await main(path.resolve(out), path.resolve(nodeModules));
