@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node build.mjs OUT NODE_MODULES: writes into the folder OUT
 //
-//   index.html, app.js           with a model.glb beside them, for any static server
+//   index.html, app.js           with a model.glb beside them, for any static server; the title too
 //   single.html                  one file; @LFM_TITLE@ is to be replaced by escaped text, and
 //                                @LFM_MODEL_BASE64@ by the base64 of a model
 //   lfm-surface-light-field.js   the plugin for GLTFLoader, three.js not included
@@ -76,7 +76,7 @@ async function main(out, nodeModules) {
             "connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'",
     // Without one, browsers ask the server for favicon.ico.
     HEAD: '<meta name="model" content="model.glb">\n<link rel="icon" href="data:,">',
-    TITLE: 'Surface light field',
+    TITLE: kTitlePlaceholder,
     STYLE: style,
     SCRIPT: '<script src="app.js" defer></script>',
   });
