@@ -2,7 +2,7 @@
 // Times drawing: OpenGL's ways against a plain draw of the same mesh with one texture, on the same
 // driver and in turns, and the reference renderer against casting its rays alone.
 //
-//   lfm-bench-viewer MODEL... [--terms K]
+//   lfm-bench-viewer MODEL... [--terms K] [--decoded]
 //
 // 1024 x 768, the object over about a third of the picture. Medians of 15 frames.
 #include <epoxy/gl.h>
@@ -127,10 +127,10 @@ View ThirdOfThePicture(const lfm::LightFieldModel& model) {
   return view;
 }
 
-void Report(const std::string& file, int terms) {
+void Report(const std::string& file, int terms, lfm::BlockUse block_use) {
   const lfm::LightFieldModel model = lfm::ReadModel(file).model;
   const View view = ThirdOfThePicture(model);
-  const lfm::GlRenderer gl(model);
+  const lfm::GlRenderer gl(model, block_use);
   const PlainDraw plain(model, view.camera, view.pose);
   const lfm::GlFramebuffer framebuffer(kWidth, kHeight, 1);
   framebuffer.Bind();
@@ -194,16 +194,19 @@ void Report(const std::string& file, int terms) {
 
 int main(int argc, char** argv) {
   int terms = 3;
+  lfm::BlockUse block_use = lfm::BlockUse::kAsTheyAre;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--terms") == 0 && i + 1 < argc) {
       terms = std::atoi(argv[++i]);
+    } else if (std::strcmp(argv[i], "--decoded") == 0) {
+      block_use = lfm::BlockUse::kDecoded;
     } else {
       files.emplace_back(argv[i]);
     }
   }
   if (files.empty()) {
-    std::fprintf(stderr, "lfm-bench-viewer MODEL... [--terms K]\n");
+    std::fprintf(stderr, "lfm-bench-viewer MODEL... [--terms K] [--decoded]\n");
     return 2;
   }
   try {
@@ -212,7 +215,7 @@ int main(int argc, char** argv) {
         "%s\n| way | a frame | times one texture | rate | against the reference | against "
         "exact |\n|---|---|---|---|---|---|\n",
         glGetString(GL_RENDERER));
-    for (const std::string& file : files) Report(file, terms);
+    for (const std::string& file : files) Report(file, terms, block_use);
   } catch (const lfm::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

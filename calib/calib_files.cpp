@@ -67,6 +67,8 @@ bool IsCovariance(const Eigen::Matrix<double, 6, 6>& matrix) {
 PosedImage PosedImageFromJson(JsonReader& reader, const std::map<std::string, Camera>& cameras) {
   PosedImage image;
   image.id = reader.Text("id");
+  const std::string problem = PictureIdProblem(image.id);
+  if (!problem.empty()) reader.Fail("id", "\"" + image.id + "\" " + problem);
   image.file = reader.Text("file");
   image.camera = reader.Text("camera");
   if (!cameras.contains(image.camera)) {

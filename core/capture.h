@@ -84,4 +84,8 @@ void SaveCapture(const Capture& capture);
 using ImageLoader = std::function<Image(const std::string& file)>;
 ImageLoader MakeImageLoader(const Capture& capture);
 
+/// Why `id` may not name a photograph; empty when it may. Ids become file names: letters, digits,
+/// '.', '_' and '-', 64 at most, no '.' in front.
+std::string PictureIdProblem(const std::string& id);
+
 }  // namespace lfm

@@ -9,15 +9,8 @@
 #include "core/camera_json.h"
 
 namespace lfm {
-namespace {
 
-constexpr int kMaxSide = 65536;
-constexpr int kMaxCubeResolution = 1024;
-// A direction written with six digits is a unit vector within this.
-constexpr double kUnitLength_abs = 1e-5;
-
-/// Why `id` may not name a picture; empty when it may. Ids become file names.
-std::string IdProblem(const std::string& id) {
+std::string PictureIdProblem(const std::string& id) {
   constexpr size_t kMaxLength = 64;
   const auto is_allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
@@ -30,6 +23,13 @@ std::string IdProblem(const std::string& id) {
   }
   return "";
 }
+
+namespace {
+
+constexpr int kMaxSide = 65536;
+constexpr int kMaxCubeResolution = 1024;
+// A direction written with six digits is a unit vector within this.
+constexpr double kUnitLength_abs = 1e-5;
 
 /// Reads the parts of a manifest; knows the folder that paths must stay in.
 class ManifestReader {
@@ -135,7 +135,7 @@ class ManifestReader {
 
   std::string UniqueId(JsonReader& reader, std::set<std::string>& ids) const {
     const std::string id = reader.Text("id");
-    const std::string problem = IdProblem(id);
+    const std::string problem = PictureIdProblem(id);
     if (!problem.empty()) reader.Fail("id", problem);
     if (!ids.insert(id).second) reader.Fail("id", "'" + id + "' is used twice");
     return id;

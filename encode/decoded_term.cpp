@@ -48,7 +48,7 @@ std::vector<float> DecodedView(const TermMaps& maps, int directions) {
   view.reserve(maps.view_codes.size());
   for (const uint8_t code : maps.view_codes) view.push_back(DecodeValue(maps.view_range, code));
   if (view.size() == size_t{3} * directions) return view;
-  return ViewResampler(GridSide(view.size() / 3), GridSide(directions))(view);
+  return ResamplerBetween(GridSide(view.size() / 3), GridSide(directions))(view);
 }
 
 void DecodeView(const VertexOperator& f, const TermMaps& maps, DecodedTerm& decoded) {

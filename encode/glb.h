@@ -10,7 +10,7 @@
 namespace lfm {
 
 /// A glTF 2.0 file with the extension LFM_surface_light_field (docs/formats.md): the plain mesh, the
-/// mean view, all tables, then the terms one after the other.
+/// mean view, all tables needed to show terms, then the terms one after the other.
 std::string GlbBytes(const LightFieldModel& model);
 /// Writes it, atomically. Returns its size in bytes.
 int64_t WriteGlb(const LightFieldModel& model, const std::filesystem::path& file);

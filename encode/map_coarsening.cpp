@@ -176,7 +176,7 @@ void CoarsenSurface(const LightFieldModel& model, std::span<const int> ring,
 
 // Codes of the same range, clamped to it.
 void ChangeViewGrid(int from, int to, TermMaps& maps) {
-  const std::vector<float> values = ViewResampler(from, to)(AsFloats(maps.view_codes, 0, 1));
+  const std::vector<float> values = ResamplerBetween(from, to)(AsFloats(maps.view_codes, 0, 1));
   maps.view_codes.clear();
   for (const float value : values) {
     maps.view_codes.push_back(static_cast<uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f)));

@@ -47,8 +47,8 @@ struct MapCosts {
   std::vector<PatchCosts> patches;  ///< T
   /// Of one view map at each grid (ViewGridLevels), finest first; one at least.
   std::vector<int64_t> view_bytes;
-  /// V; squared error that the grid of a vertex's view map adds, `[term * grids + grid]`; empty
-  /// with one grid.
+  /// V; squared error that the grid of a vertex's view map adds, `[term * grids + grid]`; not
+  /// read with one grid.
   std::vector<std::vector<float>> view_errors;
   /// Of the tables that hold an entry a vertex or triangle for each term that any vertex has.
   int64_t rank_bytes = 0;

@@ -129,7 +129,7 @@ void WriteViews(const std::vector<FittedViews>& views, LightFieldModel& model) {
   ParallelFor(0, static_cast<int64_t>(vertices), [&](int64_t v) {
     for (int k = 0; k < model.vertex_terms[v]; ++k) {
       const LightFieldModel::TilePosition tile = model.ViewTile(k, static_cast<int>(v));
-      const std::vector<float> view = ViewResampler(model.grid, tile.grid)(views[v].views[k]);
+      const std::vector<float> view = ResamplerBetween(model.grid, tile.grid)(views[v].views[k]);
       const auto [low, high] = std::minmax_element(view.begin(), view.end());
       const MapRange range = ViewRange(*low, *high);
       model.view_ranges[k * vertices + v] = range;

@@ -3,6 +3,8 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace lfm {
 namespace {
@@ -53,6 +55,11 @@ std::vector<float> ViewResampler::operator()(std::span<const float> values) cons
         along_side_ * columns_of_x * along_side_.transpose();
   }
   return result;
+}
+
+const ViewResampler& ResamplerBetween(int from, int to) {
+  thread_local std::map<std::pair<int, int>, ViewResampler> known;
+  return known.try_emplace({from, to}, from, to).first->second;
 }
 
 }  // namespace lfm

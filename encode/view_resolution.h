@@ -25,4 +25,7 @@ class ViewResampler {
   Eigen::MatrixXf along_side_;  ///< to x from
 };
 
+/// The one between these grids, made once a thread.
+const ViewResampler& ResamplerBetween(int from, int to);
+
 }  // namespace lfm

@@ -13,6 +13,7 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kMostFrames = 100000;
 constexpr double kMostDegrees = 1e6;
+constexpr double kMostMillimetres = 1e9;
 
 // What is interpolated: azimuth (not wrapped), elevation, log of distance, target.
 using Place = Eigen::Matrix<double, 6, 1>;
@@ -27,7 +28,9 @@ OrbitCamera CameraAt(const Place& place, const OrbitCamera& like) {
   OrbitCamera camera = like;
   camera.azimuth = place[0];
   camera.elevation = std::clamp(place[1], -OrbitCamera::kMaxElevation, OrbitCamera::kMaxElevation);
-  camera.distance = std::clamp(std::exp(place[2]), like.min_distance, like.max_distance);
+  camera.distance = std::exp(place[2]);
+  camera.min_distance = std::min(like.min_distance, camera.distance);
+  camera.max_distance = std::max(like.max_distance, camera.distance);
   camera.target = place.tail<3>();
   return camera;
 }
@@ -71,7 +74,7 @@ CameraPath ReadCameraPath(const std::filesystem::path& file, const OrbitCamera& 
     added.camera.azimuth = azimuth * kDegree;
     added.camera.elevation = elevation * kDegree;
     added.camera.distance = key.NumberOr("distance", start.distance);
-    if (!(added.camera.distance > 0 && added.camera.distance <= 1e9)) {
+    if (!(added.camera.distance > 0 && added.camera.distance <= kMostMillimetres)) {
       key.Fail("distance", "expected millimetres above 0");
     }
     added.camera.min_distance = std::min(start.min_distance, added.camera.distance);
@@ -79,6 +82,9 @@ CameraPath ReadCameraPath(const std::filesystem::path& file, const OrbitCamera& 
     if (key.Has("target")) {
       const std::vector<double> target = key.Numbers("target", 3);
       added.camera.target = {target[0], target[1], target[2]};
+      if (!(added.camera.target.cwiseAbs().maxCoeff() <= kMostMillimetres)) {
+        key.Fail("target", "expected no more than 1e9 mm");
+      }
     }
     key.Finish();
   }

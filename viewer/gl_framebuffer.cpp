@@ -48,7 +48,7 @@ GlFramebuffer::GlFramebuffer(int width, int height, int samples)
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.name());
   CheckGl("make room for a picture");
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error("the graphics driver offers no off-screen picture; use lfm-render",
+    throw Error("the graphics driver offers no off-screen picture; use lfm-render --renderer cpu",
                 ErrorKind::kSystem);
   }
 }

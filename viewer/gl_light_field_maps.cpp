@@ -26,12 +26,13 @@ void CheckLimits(const std::string& what, int width, int height, size_t layers) 
     throw Error("the model's " + what + " pages are " + std::to_string(width) + "x" +
                 std::to_string(height) + " texels and this graphics card takes " +
                 std::to_string(max_size) + "; encode again with --max-texture-size " +
-                std::to_string(max_size) + ", or use lfm-render");
+                std::to_string(max_size) + ", or use lfm-render --renderer cpu");
   }
   if (layers > static_cast<size_t>(max_layers)) {
-    throw Error("the model has " + std::to_string(layers) + " " + what +
-                " pages and this graphics card takes " + std::to_string(max_layers) +
-                "; encode again with a larger --max-texture-size, or use lfm-render");
+    throw Error(
+        "the model has " + std::to_string(layers) + " " + what +
+        " pages and this graphics card takes " + std::to_string(max_layers) +
+        "; encode again with a larger --max-texture-size, or use lfm-render --renderer cpu");
   }
 }
 
@@ -80,11 +81,6 @@ GlObject UploadPages(const std::string& what, const std::vector<const Image*>& p
 /// The same for pages in blocks, a layer a plane.
 GlObject UploadBlocks(const std::string& what, const std::vector<const BlockPage*>& pages,
                       int planes) {
-  if (!epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc")) {
-    throw Error(
-        "this graphics driver does not read BC1 (S3TC) textures; encode the model without "
-        "--blocks, or use lfm-render");
-  }
   const GLenum format = planes == 1 ? GL_COMPRESSED_RGB_S3TC_DXT1_EXT : GL_COMPRESSED_RED_RGTC1;
   int width = 4, height = 4;
   for (const BlockPage* page : pages) {
@@ -114,7 +110,7 @@ GlObject UploadTable(const std::string& what, std::vector<TableEntry> entries) {
   if (rows > max_size) {
     throw Error("the model has more vertices than this graphics card takes (" +
                 std::to_string(max_size * kWidth) + " table entries for its " + what +
-                "); use lfm-render");
+                "); use lfm-render --renderer cpu");
   }
   entries.resize(rows * kWidth, TableEntry{});
   GlObject texture(GlObject::Kind::kTexture);
@@ -202,20 +198,23 @@ std::vector<TableEntry> TileEntries(const LightFieldModel& model) {
 
 }  // namespace
 
-GlLightFieldMaps UploadMaps(const LightFieldModel& model) {
+GlLightFieldMaps UploadMaps(const LightFieldModel& model, BlockUse block_use) {
   if (model.terms > GlLightFieldMaps::kMostTerms) {
-    throw Error("the model has " + std::to_string(model.terms) + " terms; 16 can be drawn");
+    throw Error("the model has " + std::to_string(model.terms) +
+                " terms and 16 can be drawn; use lfm-render --renderer cpu");
   }
   GlLightFieldMaps maps;
   const LightFieldModel::Blocks& blocks = model.blocks;
-  if (blocks.empty()) {
+  if (blocks.empty() || block_use == BlockUse::kDecoded ||
+      !epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc")) {
     maps.mean = UploadPages("mean", ListPages(model.mean_pages));
     maps.surface = UploadPages("surface", ListPages(model.surface_pages, maps.surface_first));
     maps.view = UploadPages("view", ListPages(model.view_pages, maps.view_first));
   } else {
+    maps.surface_planes = model.SurfacePlanes();
     maps.mean = UploadBlocks("mean", ListPages(blocks.mean), 1);
-    maps.surface = UploadBlocks("surface", ListPages(blocks.surface, maps.surface_first),
-                                model.SurfacePlanes());
+    maps.surface =
+        UploadBlocks("surface", ListPages(blocks.surface, maps.surface_first), maps.surface_planes);
     maps.view = UploadBlocks("view", ListPages(blocks.view, maps.view_first), 1);
   }
   maps.frames = UploadTable("frames", FrameEntries(model));

@@ -18,9 +18,10 @@ namespace lfm {
 /// surface bias, view scale, view bias) of vertex v and term k at k * V + v, zero where the vertex
 /// has no such term; the patch of triangle t's mean view at t (x, y of sample (0, 0), page, n - 1,
 /// negative when flipped). With codebooks that of its term k at (k + 1) * T + t, and the tile of
-/// vertex v and term k at k * V + v (x, y, page).
+/// vertex v and term k at k * V + v (x, y, page, own grid).
 ///
-/// Pages in blocks are uploaded as blocks. Surface pages of three planes have three layers each.
+/// Pages in blocks are uploaded as blocks where the driver reads them. Surface pages of three
+/// planes have three layers each.
 struct GlLightFieldMaps {
   static constexpr int kTableWidth = 1024;  ///< the shaders know it
   static constexpr int kMostTerms = 16;
@@ -30,10 +31,17 @@ struct GlLightFieldMaps {
   GlObject patches, tiles;       ///< the same
   /// Layer of each term's first page.
   std::array<int, kMostTerms> surface_first{}, view_first{};
+  int surface_planes = 1;  ///< layers of a surface page
+};
+
+/// What becomes of pages in blocks.
+enum class BlockUse {
+  kAsTheyAre,  ///< an eighth of the memory; decoded where the driver does not read BC1 (S3TC)
+  kDecoded,    ///< what they decode to: faster on drivers in software
 };
 
 /// Uploads. Throws Error when a page or the number of pages exceeds the driver's limits (encode
 /// again with another --max-texture-size), or the memory is not there.
-GlLightFieldMaps UploadMaps(const LightFieldModel& model);
+GlLightFieldMaps UploadMaps(const LightFieldModel& model, BlockUse block_use = {});
 
 }  // namespace lfm

@@ -121,8 +121,10 @@ void CheckGl(const std::string& what) {
 
 void RequireGl33() {
   if (epoxy_is_desktop_gl() && epoxy_gl_version() >= 33) return;
-  throw Error("this machine's OpenGL is older than 3.3; update the driver, or use lfm-render",
-              ErrorKind::kSystem);
+  throw Error(
+      "this machine's OpenGL is older than 3.3; update the driver, or use lfm-render --renderer "
+      "cpu",
+      ErrorKind::kSystem);
 }
 
 }  // namespace lfm

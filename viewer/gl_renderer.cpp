@@ -84,6 +84,14 @@ Eigen::Matrix4d CameraFromModel(const Pose& camera_from_world, const Eigen::Vect
   return matrix;
 }
 
+// What vertices hand over is counted in vectors of four: three a term, and four others.
+int MostCornerTerms() {
+  GLint out = 0, in = 0;
+  glGetIntegerv(GL_MAX_VERTEX_OUTPUT_COMPONENTS, &out);
+  glGetIntegerv(GL_MAX_FRAGMENT_INPUT_COMPONENTS, &in);
+  return std::min(GlRenderer::kMostCornerTerms, (std::min(out, in) / 4 - 4) / 3);
+}
+
 void SetSampler(GLuint program, const char* name, GLint unit, GLenum target,
                 const GlObject& texture) {
   glActiveTexture(GL_TEXTURE0 + unit);
@@ -124,7 +132,8 @@ struct GlRenderer::State {
   int surface_planes = 1, triangle_count = 0;
 };
 
-GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<State>()) {
+GlRenderer::GlRenderer(const LightFieldModel& model, BlockUse block_use)
+    : state_(std::make_unique<State>()) {
   RequireGl33();
   ValidateModel(model, "the model");
   Eigen::Vector3d low = model.mesh.vertices[0], high = low;
@@ -134,7 +143,7 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   }
   state_->center = (low + high) / 2;
   state_->radius = std::max((high - low).norm() / 2, 1e-6);
-  state_->maps = UploadMaps(model);
+  state_->maps = UploadMaps(model, block_use);
   const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->center);
   state_->corner_count = static_cast<int>(vertices.size());
   state_->vertex_array = GlObject(GlObject::Kind::kVertexArray);
@@ -149,7 +158,7 @@ GlRenderer::GlRenderer(const LightFieldModel& model) : state_(std::make_unique<S
   state_->mean_in_terms = model.mean_in_terms;
   state_->codebooks = !model.surface_placements.empty();
   state_->blocks = !model.blocks.empty();
-  state_->surface_planes = model.SurfacePlanes();
+  state_->surface_planes = state_->maps.surface_planes;
   state_->triangle_count = static_cast<int>(model.mesh.triangles.size());
   ProgramFor({});  // what the driver has to say about the shaders, it says now
 }
@@ -159,7 +168,7 @@ GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
 uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options) const {
   const int terms = std::clamp(options.evaluation.terms, 0, state_->terms);
   const bool at_corners = options.view_coordinates == ViewCoordinates::kMapsAtCorners &&
-                          terms > 0 && terms <= kMostCornerTerms;
+                          terms > 0 && terms <= MostCornerTerms();
   const auto constant = [](const char* name, int value) {
     return std::string("const int ") + name + " = " + std::to_string(value) + ";\n";
   };

@@ -8,6 +8,7 @@
 #include "core/pose.h"
 #include "encode/model.h"
 #include "encode/model_evaluation.h"
+#include "viewer/gl_light_field_maps.h"
 
 namespace lfm {
 
@@ -23,11 +24,13 @@ enum class ViewCoordinates {
 
 /// The option of the commands that draw with OpenGL.
 inline void DeclareViewCoordinates(OptionVisitor& v, ViewCoordinates& value) {
-  v.Enumeration({"view-coordinates",
-                 "Where the direction of view is turned into places of view maps: at each pixel, "
-                 "exact; at the triangles' corners, as the paper does (vertex); or view maps are "
-                 "read at the corners altogether (corner-maps): fastest."},
-                {"pixel", "vertex", "corner-maps"}, value);
+  v.Enumeration(
+      {"view-coordinates",
+       "Where the direction of view is turned into places of view maps: at each pixel, "
+       "exact; at the triangles' corners, as the paper does (vertex); or view maps are "
+       "read at the corners altogether (corner-maps; of up to 8 terms, as the driver allows, else "
+       "pixel): fastest."},
+      {"pixel", "vertex", "corner-maps"}, value);
 }
 
 enum class EdgeOverlay { kNone, kWireframe };
@@ -48,11 +51,12 @@ class GlRenderer {
  public:
   /// Uploads the model; it is not needed afterwards. Throws Error as UploadMaps does, and (kSystem)
   /// when the context is older than 3.3.
-  explicit GlRenderer(const LightFieldModel& model);
+  explicit GlRenderer(const LightFieldModel& model, BlockUse block_use = {});
   ~GlRenderer();
   GlRenderer(GlRenderer&&) noexcept;
 
-  /// As many as fit beside the rest into what shaders hand over.
+  /// At most, and no more than fit beside the rest into what the driver's shaders hand over: four
+  /// in any OpenGL 3.3.
   static constexpr int kMostCornerTerms = 8;
 
   /// Clears the bound framebuffer, whose viewport is camera.width x camera.height, and draws.

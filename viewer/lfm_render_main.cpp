@@ -93,6 +93,10 @@ void CheckUsage(const RenderCommandOptions& options, const std::filesystem::path
     throw lfm::Error(out.string() + " is a file and a folder is to be written; name another");
   }
   const std::string ending = out.extension().string();
+  if (folder && (ending == ".png" || ending == ".exr" || ending == ".jpg")) {
+    throw lfm::Error(out.string() +
+                     ": a folder is to be written; name one, or add --photo for one picture");
+  }
   if (!folder && ending != ".png" && ending != ".exr" && (options.alpha || ending != ".jpg")) {
     throw lfm::Error("cannot write " + out.string() +
                      ": the picture's name must end in .png or .exr, or .jpg without --alpha");
@@ -139,6 +143,16 @@ std::vector<Shot> PlanShots(const lfm::TriangleMesh& mesh, const lfm::ViewOption
   return shots;
 }
 
+/// Before the first picture is drawn.
+void RequirePinholes(const std::vector<Shot>& shots) {
+  for (const Shot& shot : shots) {
+    if (!shot.camera.camera.HasDistortion()) continue;
+    throw lfm::Error(shot.file.string() +
+                     ": its camera's lens distorts, and OpenGL draws pinhole pictures; leave "
+                     "--renderer gl out");
+  }
+}
+
 using RenderFunction = std::function<lfm::Rendering(const lfm::PosedCamera&, lfm::Progress&)>;
 
 /// Either renderer, behind one call.
@@ -179,6 +193,12 @@ void WriteForBrowsers(const std::string& model_file, const std::filesystem::path
   const lfm::DecodedModel decoded = lfm::ReadModel(model_file);
   if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
   const std::filesystem::path path = model_file;
+  std::error_code absent;
+  if (std::filesystem::exists(out / "model.glb") && !std::filesystem::exists(out / "app.js") &&
+      !std::filesystem::equivalent(path, out / "model.glb", absent)) {
+    throw lfm::Error((out / "model.glb").string() +
+                     " is another model, which --web would replace; name another folder");
+  }
   const std::string glb =
       path.extension() == ".glb" ? lfm::ReadFile(path) : lfm::GlbBytes(decoded.model);
   lfm::WriteWebFolder(glb, path.stem().string(), out);
@@ -206,7 +226,18 @@ int main(int argc, char** argv) {
   command.Options(lfm::AnyOptions(options), "Output");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     CheckUsage(options, out);
-    if (options.web) return WriteForBrowsers(model_file, out, progress);
+    if (options.web) {
+      for (const char* name :
+           {"azimuth", "elevation", "distance", "fov", "size", "background", "terms", "mean-only",
+            "renderer", "view-coordinates", "supersample"}) {
+        if (command.Given(name)) {
+          throw lfm::Error(
+              std::string("--") + name +
+              " has no effect with --web, whose pages are turned by hand; leave it out");
+        }
+      }
+      return WriteForBrowsers(model_file, out, progress);
+    }
     lfm::RenderOptions render;
     render.evaluation = lfm::MakeEvaluationOptions(view);
     render.samples_per_side = options.supersample;
@@ -215,6 +246,7 @@ int main(int argc, char** argv) {
     lfm::DecodedModel decoded = lfm::ReadModel(model_file);
     if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
     const std::vector<Shot> shots = PlanShots(decoded.model.mesh, view, options, out);
+    if (options.renderer == Renderer::kGl) RequirePinholes(shots);
     const RenderFunction renderer = MakeRenderer(decoded.model, options, render);
     const auto render_one = [&](const Shot& shot, lfm::Progress& rows) {
       const lfm::Rendering rendering = renderer(shot.camera, rows);

@@ -114,7 +114,7 @@ void RunViewer(const LightFieldModel& model, const ViewOptions& view,
   state.view_coordinates = options.view_coordinates;
   Window window("lfm-viewer", size,
                 screenshot ? WindowVisibility::kHidden : WindowVisibility::kShown);
-  const GlRenderer renderer(model);
+  const GlRenderer renderer(model, options.block_use);
   if (screenshot) {
     RunScreenshot(window, renderer, std::move(state), size, options);
   } else {

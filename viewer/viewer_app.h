@@ -13,6 +13,7 @@ namespace lfm {
 struct ViewerOptions {
   bool wireframe = false;
   ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel;
+  BlockUse block_use = BlockUse::kAsTheyAre;
   int multisample = 4;
   std::string screenshot;
   int frames = 3;
@@ -20,6 +21,10 @@ struct ViewerOptions {
   void Declare(OptionVisitor& v) {
     v.Flag({"wireframe", "Draw the triangles' edges."}, wireframe);
     DeclareViewCoordinates(v, view_coordinates);
+    v.Enumeration({"blocks",
+                   "Of models in BC1 and BC4: give their blocks to the graphics card as they are, "
+                   "or decoded, which drivers in software draw faster."},
+                  {"as-they-are", "decoded"}, block_use);
     v.Integer({"multisample", "Samples a pixel: smoother edges against time.", "", 1, 16},
               multisample);
     v.Text({"screenshot", "Save a picture (.png) of the first view here and leave."}, screenshot);

@@ -24,8 +24,9 @@ std::string Filled(std::string_view page, std::string_view mark, std::string_vie
 }
 
 std::string SinglePage(std::string_view glb, const std::string& title) {
-  return Filled(Filled(web_bundle::SingleHtml(), kTitleMark, EscapeMarkup(title)), kModelMark,
-                Base64(glb));
+  // The model first: a title may be anything, base 64 holds no mark.
+  return Filled(Filled(web_bundle::SingleHtml(), kModelMark, Base64(glb)), kTitleMark,
+                EscapeMarkup(title));
 }
 
 }  // namespace

@@ -79,14 +79,19 @@ TEST(Pipeline, MakesAModelAndAReportFromTheSmallCapture) {
 
   const std::string page = ReadFile(small.work() / "report" / "index.html");
   std::set<std::string> shown;  // which stages' pictures
-  for (size_t at = page.find("src=\""); at != std::string::npos; at = page.find("src=\"", at + 1)) {
-    const std::string file = page.substr(at + 5, page.find('"', at + 5) - at - 5);
+  const std::string source = "<img loading=lazy src=\"";
+  for (size_t at = page.find(source); at != std::string::npos; at = page.find(source, at + 1)) {
+    const size_t name_at = at + source.size();
+    const std::string file = page.substr(name_at, page.find('"', name_at) - name_at);
     EXPECT_NO_THROW(ReadImage(small.work() / "report" / file)) << file;
     const std::string name = fs::path(file).filename();
     shown.insert(name.substr(0, name.find('-')));
   }
   EXPECT_EQ(shown, (std::set<std::string>{"calib", "scan", "mesh", "resample", "encode", "heldout",
                                           "model"}));
+  EXPECT_NE(page.find("<iframe src=\"web/model.html\""), std::string::npos);
+  EXPECT_EQ(ReadFile(small.work() / "report" / "web" / "model.glb"),
+            ReadFile(small.work() / "encode" / "model.glb"));
 
   // A second run finds everything done.
   const CommandOutcome again = small.RunPipeline();

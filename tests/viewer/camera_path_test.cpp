@@ -31,17 +31,18 @@ CameraPath Parsed(const std::string& text) {
 TEST(CameraPath, PassesThroughItsKeysWithoutWrapping) {
   const CameraPath path = Parsed(R"({"frames_per_second": 10, "keys": [
       {"time": 1, "azimuth": 350, "elevation": 10},
-      {"time": 2, "azimuth": 370, "elevation": 30, "distance": 250, "target": [1, 2, 3]},
-      {"time": 4, "azimuth": 1090, "elevation": -20}]})");
+      {"time": 2, "azimuth": 370, "elevation": 30, "distance": 5, "target": [1, 2, 3]},
+      {"time": 4, "azimuth": 1090, "elevation": -20, "distance": 90000}]})");
   const std::vector<OrbitCamera> frames = FramesOf(path);
   ASSERT_EQ(frames.size(), 31u);
   EXPECT_NEAR(frames[0].azimuth, 350 * kDegree, 1e-9);
   EXPECT_NEAR(frames[10].azimuth, 370 * kDegree, 1e-9);
-  EXPECT_NEAR(frames[10].distance, 250, 1e-6);
+  EXPECT_NEAR(frames[10].distance, 5, 1e-6);
   EXPECT_NEAR((frames[10].target - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-9);
   EXPECT_NEAR(frames[30].azimuth, 1090 * kDegree, 1e-9);
   EXPECT_NEAR(frames[30].elevation, -20 * kDegree, 1e-9);
-  EXPECT_NEAR(frames[30].distance, Start().distance, 1e-6);
+  EXPECT_NEAR(frames[30].distance, 90000, 1e-6);
+  EXPECT_NEAR(frames[0].distance, Start().distance, 1e-6);
   // It rests at both ends and does not jump: the largest step is not far above the mean one.
   const double turned = frames[30].azimuth - frames[0].azimuth;
   for (size_t i = 1; i < frames.size(); ++i) {
@@ -70,6 +71,7 @@ TEST(CameraPath, RefusesWhatIsNone) {
            R"({"keys": [{"time": 0, "azimuth": 0, "elevation": 90}]})",
            R"({"keys": [{"time": 0, "azimuth": 0, "elevation": 0, "distance": -1}]})",
            R"({"keys": [{"time": 0, "azimuth": 0, "elevation": 0, "roll": 1}]})",
+           R"({"keys": [{"time": 0, "azimuth": 0, "elevation": 0, "target": [1e308, 0, 0]}]})",
            R"({"keys": [)" + key + R"(, {"time": 1e8, "azimuth": 0, "elevation": 0}]})"}) {
     try {
       Parsed(text);

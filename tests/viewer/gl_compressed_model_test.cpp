@@ -21,8 +21,8 @@ constexpr int kWidth = 200, kHeight = 160;
 
 class GlCompressedModel : public testing::Test {
  protected:
-  void ExpectSamePictures(const LightFieldModel& model) {
-    const GlRenderer gl(model);
+  void ExpectSamePictures(const LightFieldModel& model, BlockUse block_use = {}) {
+    const GlRenderer gl(model, block_use);
     const ReferenceRenderer reference(model);
     OrbitCamera orbit = FrameMesh(model.mesh, 0.5, static_cast<double>(kWidth) / kHeight);
     for (const double azimuth : {0.3, 2.2, 4.4}) {
@@ -79,6 +79,13 @@ TEST_F(GlCompressedModel, BlocksAreShownAsTheReferenceShowsThem) {
   const LightFieldModel model = MakeSmoothRandomModel(2, DirectionMap::kHemiOctahedral);
   ExpectSamePictures(InBlocks(model, BlockFormat::kBc1));
   ExpectSamePictures(InBlocks(model, BlockFormat::kBc4));
+}
+
+// What drivers without S3TC are given.
+TEST_F(GlCompressedModel, DecodedBlocksShowTheSame) {
+  const LightFieldModel model = MakeSmoothRandomModel(2, DirectionMap::kHemiOctahedral);
+  ExpectSamePictures(InBlocks(model, BlockFormat::kBc1), BlockUse::kDecoded);
+  ExpectSamePictures(InBlocks(model, BlockFormat::kBc4), BlockUse::kDecoded);
 }
 
 TEST_F(GlCompressedModel, CodebooksInBlocksToo) {

@@ -72,6 +72,7 @@ std::vector<Shot> Shots() {
 }
 
 void WriteSamples(const std::filesystem::path& folder) {
+  std::filesystem::remove_all(folder);  // every file in it is tested
   for (const auto& [name, model] : Models()) {
     WriteGlb(model, folder / (name + ".glb"));
     const ReferenceRenderer renderer(model);

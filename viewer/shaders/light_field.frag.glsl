@@ -5,13 +5,14 @@
 
 #ifdef LFM_CORNER_TERMS
 centroid in vec3 corner_views[3 * LFM_CORNER_TERMS];
-#endif
+#else
 centroid in vec3 view_vector[3];
+flat in ivec3 view_tile[3];
+#endif
 centroid in vec3 corner_weights;
 flat in ivec3 patch_corners;
 flat in int patch_triangle;  // its number
 flat in ivec3 corner_terms;
-flat in ivec3 view_tile[3];
 
 uniform sampler2DArray mean_maps;
 uniform sampler2DArray surface_maps;

@@ -31,12 +31,14 @@ uniform int view_first[16];
 centroid out vec3 corner_views[3 * LFM_CORNER_TERMS];  // of term k and corner j: 3 k + j
 #endif
 
+#ifndef LFM_CORNER_TERMS
 centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (square position, 0)
+flat out ivec3 view_tile[3];       // x, y of the top-left texel, page
+#endif
 centroid out vec3 corner_weights;
 flat out ivec3 patch_corners;
 flat out int patch_triangle;
 flat out ivec3 corner_terms;
-flat out ivec3 view_tile[3];  // x, y of the top-left texel, page
 
 // xyz: an axis of the vertex's frame; w: of x the number of its view tile, of y its terms.
 vec4 FrameEntry(int vertex, int axis) {
@@ -77,17 +79,19 @@ void main() {
     corner_terms[j] = int(y_axis.w + 0.5);
     vec3 in_frame = vec3(dot(x_axis.xyz, to_eye), dot(y_axis.xyz, to_eye),
                          dot(FrameEntry(v, 2).xyz, to_eye));
-    view_vector[j] = view_coordinates_per_vertex != 0
-                         ? vec3(SquareFromDirection(normalize(in_frame), direction_map), 0.0)
-                         : in_frame;
     int slot = int(x_axis.w + 0.5), in_page = slot % view_tiles_per_page;
-    view_tile[j] = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
-                         slot / view_tiles_per_page);
+    ivec3 place = ivec3(in_page % view_tiles_per_row * grid, in_page / view_tiles_per_row * grid,
+                        slot / view_tiles_per_page);
 #ifdef LFM_CORNER_TERMS
     vec2 square = clamp(SquareFromDirection(normalize(in_frame), direction_map), 0.0, 1.0);
     for (int k = 0; k < LFM_CORNER_TERMS; ++k) {
-      corner_views[3 * k + j] = ReadView(k, v, corner_terms[j], square, view_tile[j]);
+      corner_views[3 * k + j] = ReadView(k, v, corner_terms[j], square, place);
     }
+#else
+    view_tile[j] = place;
+    view_vector[j] = view_coordinates_per_vertex != 0
+                         ? vec3(SquareFromDirection(normalize(in_frame), direction_map), 0.0)
+                         : in_frame;
 #endif
   }
 }

@@ -19,6 +19,7 @@ const here = path.dirname(fileURLToPath(import.meta.url));
 async function bundle(esbuild, nodeModules, options) {
   const result = await esbuild.build({
     bundle: true,
+    absWorkingDir: here, // comments name files from here, wherever it is built
     write: false,
     minify: true,
     charset: 'ascii',

@@ -118,6 +118,7 @@ class App {
   }
 
   noteBytes(share) {
+    if (this.error !== null) return;
     this.bytesShare = share;
     this.showProgress();
   }
@@ -141,6 +142,7 @@ class App {
 
   /** Says on the page, in one line, what is wrong. */
   fail(error) {
+    if (this.error !== null) return; // the first says what is wrong; others follow from it
     this.error = error instanceof ModelError ? error.message
       : `this page could not show its model (${error?.message ?? error})`;
     this.panel.fail(this.error);

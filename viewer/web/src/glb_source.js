@@ -136,8 +136,10 @@ async function readAll(stream, arriving, declaredBytes, onProgress) {
     }
     arriving.end();
   } catch (error) {
+    const reason = error instanceof RangeError ? 'larger than this browser can hold; encode fewer terms'
+      : 'the connection broke; load the page again';
     const problem = error instanceof ModelError ? error
-      : new ModelError(`${arriving.name}: the connection broke; load the page again`);
+      : new ModelError(`${arriving.name}: ${reason}`);
     arriving.end(problem);
     reader.cancel().catch(() => {});
   }

@@ -42,6 +42,7 @@ export class LightFieldPlugin {
     const failure = new Promise((_, reject) => {
       object.addEventListener('error', ({ error }) => {
         setDrawn(plain, object, true);
+        queueMicrotask(() => this.onChange()); // not within the draw that failed
         reject(error);
       });
     });

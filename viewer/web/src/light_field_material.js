@@ -5,7 +5,7 @@ import fragmentShader from '../../shaders/light_field.frag.glsl';
 import squareFromDirection from '../../shaders/square_from_direction.glsl';
 import vertexShader from '../../shaders/light_field.vert.glsl';
 import { kMostTerms } from './light_field.js';
-import { kTableWidth, makeTableTextures } from './table_textures.js';
+import { makeTableTextures } from './table_textures.js';
 
 const kPrecision = `precision highp float;
 precision highp int;
@@ -62,7 +62,6 @@ export function makeLightFieldMaterial(field, maps) {
       blocks: uniform(field.pages.surfaceFormat === 'png' ? 0 : 1),
       surface_planes: uniform(1),
       triangle_count: uniform(field.triangleCount),
-      table_width: uniform(kTableWidth),
       terms: uniform(0),
       vertex_count: uniform(field.vertexCount),
       grid: uniform(field.grid),

@@ -7,7 +7,7 @@ import {
 import { makeLightFieldMaterial } from './light_field_material.js';
 import { MapTextures } from './map_textures.js';
 import { ModelError } from './model_error.js';
-import { decodePage } from './page_decoding.js';
+import { decodePage, TexelBudget } from './page_decoding.js';
 
 // Pages are sent to the device for a quarter of the time from draw to draw, within these limits.
 const kLeastUploadMilliseconds = 12, kMostUploadMilliseconds = 100;
@@ -58,8 +58,9 @@ export class LightFieldObject extends Object3D {
    */
   async load(source) {
     const { pages, needs, terms } = this.field;
+    const budget = new TexelBudget(source.name);
     const all = (list, needed) =>
-      Promise.all(list.map((page, i) => decodePage(source, page, needed[i])));
+      Promise.all(list.map((page, i) => decodePage(source, page, needed[i], budget)));
     this.maps.addMean(await all(pages.mean, needs.mean));
     this.allQueued = terms === 0;
     this.mesh.visible = true;

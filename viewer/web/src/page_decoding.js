@@ -14,11 +14,27 @@ export function readPngSize(bytes) {
   return { width: view.getUint32(16), height: view.getUint32(20) };
 }
 
+/** How many texels the pictures of a model may have together, as in C++; counted before decoding. */
+export class TexelBudget {
+  constructor(name) {
+    this.name = name;
+    this.left = 2 ** 28;
+  }
+
+  take(width, height) {
+    this.left -= width * height;
+    if (this.left >= 0) return;
+    throw new ModelError(
+      `${this.name}: the pages hold more texels than a model may have; run lfm-encode again`);
+  }
+}
+
 /**
  * The page ready for its texture: {width, height, image} of a PNG (an ImageBitmap of the codes as
  * stored: no colour conversion), or {width, height, planes, blocks}. `need`: see page_needs.js.
+ * `budget`: a TexelBudget.
  */
-export async function decodePage(source, page, need) {
+export async function decodePage(source, page, need, budget) {
   const fail = (problem) => {
     throw new ModelError(`${source.name}: ${problem}; run lfm-encode again`);
   };
@@ -38,6 +54,7 @@ export async function decodePage(source, page, need) {
     }
     return { width, height, planes: page.planes, blocks: bytes };
   }
+  budget.take(width, height);
   const image = await decodePng(bytes).catch(() => fail('an image is damaged'));
   if (image.width !== width || image.height !== height) fail('an image differs from its header');
   return { width, height, image };

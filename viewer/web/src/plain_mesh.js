@@ -7,6 +7,7 @@ import {
 } from 'three';
 import { GltfDocument, kUint32, kUint16 } from './gltf_document.js';
 import { boundsOf } from './orbit_camera.js';
+import { readPngSize, TexelBudget } from './page_decoding.js';
 
 export class PlainMesh {
   constructor() {
@@ -39,6 +40,9 @@ async function readPrimitive(doc, primitive) {
   const texture = json.materials?.[primitive.material]?.pbrMetallicRoughness?.baseColorTexture;
   const image = json.images?.[json.textures?.[texture?.index]?.source];
   const bytes = await doc.source.bufferView(doc.index(image?.bufferView, 'an image'));
+  const size = readPngSize(bytes);
+  doc.require(size !== null, 'an image is not an 8-bit RGB PNG');
+  new TexelBudget(doc.source.name).take(size.width, size.height);
   const [positions, coordinates, indices, picture] = await Promise.all([
     doc.floats(primitive.attributes?.POSITION, 'POSITION', 'VEC3'),
     doc.floats(primitive.attributes?.TEXCOORD_0, 'TEXCOORD_0', 'VEC2'),
