@@ -181,6 +181,13 @@ TEST_F(LfmRenderCommand, RendersFromThePhotographsCameraOfAWorkFolder) {
   const fs::path folder = scratch_.folder / "views";
   ASSERT_EQ(Run({model_, folder, "--work", work, "--supersample", "1"}).status, 0);
   EXPECT_TRUE(ReadImage(folder / "photo_007.png").Bytes() == Expected(camera, 16, 1).color.Bytes());
+  // Ids become names of files.
+  const std::string poses = ReadFile(fs::path(work) / "calib" / "poses.json");
+  std::string hostile = poses;
+  hostile.replace(hostile.find("photo_007"), 9, "../../out");
+  WriteFileAtomically(fs::path(work) / "calib" / "poses.json", hostile);
+  ExpectRefusal({model_, folder, "--work", work}, {"poses.json", "../../out"});
+  WriteFileAtomically(fs::path(work) / "calib" / "poses.json", poses);
   ExpectRefusal({model_, out_, "--work", work, "--photo", "photo_007", "--renderer", "gl"},
                 {"lens", "--renderer gl"});
   ExpectRefusal({model_, out_, "--work", work, "--photo", "photo_8"}, {"photo_8", "photo_007"});
@@ -230,7 +237,8 @@ TEST_F(LfmRenderCommand, FilmsACameraPath) {
   EXPECT_FALSE(fs::exists(folder / "frame_0003.png"));
   ExpectRefusal({model_, out_, "--path", path, "--turntable", "3"}, {"exclude"});
   ExpectRefusal({model_, model_, "--path", path}, {"folder"});
-  ExpectRefusal({model_, out_, "--path", scratch_.folder / "absent.json"}, {"absent.json"});
+  ExpectRefusal({model_, folder, "--path", scratch_.folder / "absent.json"}, {"absent.json"});
+  ExpectRefusal({model_, out_, "--path", path}, {"out.png", "folder"});
 }
 
 TEST_F(LfmRenderCommand, WritesThePagesForBrowsers) {
@@ -242,7 +250,11 @@ TEST_F(LfmRenderCommand, WritesThePagesForBrowsers) {
   }
   ExpectRefusal({model_, out_, "--web", "--turntable", "2"}, {"--web"});
   ExpectRefusal({model_, model_, "--web"}, {"folder"});
-  ExpectRefusal({scratch_.folder / "absent.glb", out_, "--web"}, {"absent.glb"});
+  ExpectRefusal({scratch_.folder / "absent.glb", folder, "--web"}, {"absent.glb"});
+  ExpectRefusal({model_, folder, "--web", "--terms", "1"}, {"--terms", "--web"});
+  WriteGlb(MakeSmoothRandomModel(2, DirectionMap::kHemiOctahedral),
+           scratch_.folder / "other" / "model.glb");
+  ExpectRefusal({model_, scratch_.folder / "other", "--web"}, {"another model"});
 }
 
 TEST_F(LfmRenderCommand, RefusesModelsThatAreNone) {
