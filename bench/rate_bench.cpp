@@ -99,7 +99,7 @@ std::vector<Point> CompareTargets(const Reference& reference) {
   const lfm::EncodeResult all = reference.Encode({.terms = kMostTerms});
   std::printf(
       "| K | PSNR | fixed K | `--target-db` of that: terms a vertex | bytes | fewer | bytes with "
-      "`--patch-detail full` |\n|---|---|---|---|---|---|---|\n");
+      "`--patch-detail full --view-detail full` |\n|---|---|---|---|---|---|---|\n");
   std::vector<Point> fixed;
   for (int terms = 0; terms <= all.model.terms; ++terms) {
     const double psnr_db = all.matrix_psnr_by_terms_db[terms];

@@ -182,8 +182,8 @@ std::string TimeChart(const json& time) {
 constexpr const char* kLiveModel =
     "<h2 id=model>The model</h2><p class=lead>Drag to turn, wheel or two fingers to zoom. <a "
     "href=\"web/model.html\">On a page of its own</a> (one file, to be passed on); for a web "
-    "server: "
-    "the folder <a href=\"web/\">web</a>.</p><iframe src=\"web/model.html\" title=\"The model, "
+    "server: the folder <a href=\"web/\">web</a>.</p><iframe src=\"web/model.html\" title=\"The "
+    "model, "
     "to be turned\" allow=fullscreen allowfullscreen></iframe>";
 
 }  // namespace

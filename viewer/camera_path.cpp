@@ -2,7 +2,6 @@
 #include "viewer/camera_path.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/json_reader.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/triangle_mesh.h"
 #include "viewer/orbit_camera.h"
 
 namespace lfm {

@@ -2,7 +2,6 @@
 #include "viewer/gl_pictures.h"
 
 #include <algorithm>
-#include <string>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -71,11 +70,6 @@ Rendering GlPictures::Render(const Camera& camera, const Pose& camera_from_world
                              const RenderOptions& options, Progress& progress) const {
   ValidateCamera(camera, "the camera to render");
   ValidateOptions(options);
-  if (camera.HasDistortion()) {
-    throw Error(
-        "OpenGL draws pinhole pictures and this camera's lens distorts; leave --renderer gl "
-        "out");
-  }
   const int n = options.samples_per_side;
   const int side = std::max(1, state_->tile_side / n);
   Rendering rendering = EmptyRendering(camera.width, camera.height, options);

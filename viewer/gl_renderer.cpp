@@ -194,7 +194,9 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
                       const GlRenderOptions& options) const {
   ValidateCamera(camera, "the camera to draw");
   if (camera.HasDistortion()) {
-    throw Error("OpenGL draws pinhole pictures and this camera's lens distorts; use lfm-render");
+    throw Error(
+        "OpenGL draws pinhole pictures and this camera's lens distorts; use lfm-render "
+        "--renderer cpu");
   }
   const double depth = (camera_from_world * state_->center).z();
   const double far = std::max(depth + 1.01 * state_->radius, 1e-3 * state_->radius);

@@ -56,9 +56,4 @@ void WriteWebFolder(std::string_view glb, const std::string& title,
   });
 }
 
-void WriteWebPage(std::string_view glb, const std::string& title,
-                  const std::filesystem::path& file) {
-  WriteFileAtomically(file, SinglePage(glb, title));
-}
-
 }  // namespace lfm

@@ -20,10 +20,6 @@ namespace lfm {
 void WriteWebFolder(std::string_view glb, const std::string& title,
                     const std::filesystem::path& folder);
 
-/// model.html alone, as `file`.
-void WriteWebPage(std::string_view glb, const std::string& title,
-                  const std::filesystem::path& file);
-
 /// RFC 4648, with padding.
 std::string Base64(std::string_view bytes);
 

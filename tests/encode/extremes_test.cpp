@@ -18,7 +18,7 @@ namespace lfm::testing {
 namespace {
 
 constexpr double kJump_levels = 1.01;    // half a code of rounding on either side
-constexpr double kTransportLoss_db = 3;  // at 52 dB against models of 40 dB and more
+constexpr double kTransportLoss_db = 3;  // at 50 dB against models of 40 dB and more
 
 Appearance Constant(double value) {
   return [value](const Eigen::Vector3d&, const Eigen::Vector3d&) -> Eigen::Vector3d {
