@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pages in Chromium, for browser_test.mjs.
+// Pages in Chromium, for pages.mjs.
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { readFile } from 'node:fs/promises';
 import path from 'node:path';
 
-const kTypes = { '.html': 'text/html', '.js': 'text/javascript', '.glb': 'model/gltf-binary' };
+const kTypes = { '.html': 'text/html', '.js': 'text/javascript', '.json': 'application/json',
+                 '.glb': 'model/gltf-binary' };
 const servers = [];
 
 const kReadyMilliseconds = 120000; // a hang, not a speed

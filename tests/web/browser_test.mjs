@@ -1,74 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The browser viewer in Chromium with software GL.
 //
-// Environment: LFM_WEB (what viewer/web/build.mjs wrote), LFM_NODE_MODULES (playwright-core,
-// three), LFM_CHROMIUM (its executable), LFM_SAMPLES (NAME.glb; NAME.png and
-// NAME,azimuth=30,terms=2.png are what lfm-render shows of it with --supersample 1, at the
-// settings that the name tells, else --size 640x480; the viewer's own test settings otherwise).
+// Of the samples (pages.mjs), NAME.png and NAME,azimuth=30,terms=2.png are what lfm-render shows of
+// NAME.glb with --supersample 1, at the settings that the name tells, else --size 640x480; the
+// viewer's own test settings otherwise.
 import assert from 'node:assert/strict';
-import { mkdtemp, readdir, readFile, rm, writeFile } from 'node:fs/promises';
-import os from 'node:os';
+import { readdir, readFile } from 'node:fs/promises';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
+import { pictureOf, serve, stateOf, untilReady } from './browser.mjs';
 import {
-  closeServers, launchChromium, newPage, pictureOf, serve, stateOf, untilReady,
-} from './browser.mjs';
+  blankPage, folder, hashOf, kBackground, kBare, kLeastPsnr, messageOf, nodeModules, onDisk,
+  openPage, sample, samples, singleFile, singleTemplate, startBrowser, stopBrowser, web,
+} from './pages.mjs';
 import { comparePictures, decodePng } from './png.mjs';
-
-const web = path.resolve(process.env.LFM_WEB);
-const samples = path.resolve(process.env.LFM_SAMPLES);
-const nodeModules = process.env.LFM_NODE_MODULES;
-const kBackground = [0x18, 0x1a, 0x1f];
-const kLeastPsnr = 40; // dB over the foreground
-const kBare = { width: 640, height: 480, panel: 0, antialias: 0 };
 
 const names = await readdir(samples);
 const models = names.filter((name) => name.endsWith('.glb')).map((name) => name.slice(0, -4));
 const model = models.find((name) => name.includes('default')) ?? models[0];
-let browser, scratch;
 
-before(async () => {
-  browser = await launchChromium(nodeModules, process.env.LFM_CHROMIUM ?? '/usr/bin/chromium');
-  scratch = await mkdtemp(path.join(os.tmpdir(), 'lfm_web_'));
-});
-after(async () => {
-  closeServers();
-  await browser?.close();
-  await rm(scratch, { recursive: true, force: true });
-});
-
-const sample = (name) => readFile(path.join(samples, `${name}.glb`));
-const hashOf = (settings) => `#${new URLSearchParams(settings)}`;
-
-/** The URL of a single file with `bytes` in it. */
-async function singleFile(bytes, name = 'page') {
-  const template = await readFile(path.join(web, 'single.html'), 'utf8');
-  const file = path.join(scratch, `${name}.html`);
-  await writeFile(file, template.replace('@LFM_TITLE@', 'A &lt;sample&gt;')
-    .replace('@LFM_MODEL_BASE64@', () => Buffer.from(bytes).toString('base64')));
-  return pathToFileURL(file).href;
-}
+before(startBrowser);
+after(stopBrowser);
 
 async function openSample(name = model, settings = {}, options = {}) {
-  const opened = await newPage(browser, options);
-  await opened.page.goto(await singleFile(await sample(name), name) + hashOf(settings));
-  const state = await untilReady(opened.page);
-  assert.equal(state.error, null);
-  return { ...opened, state };
-}
-
-async function folder(glb, options) {
-  return serve({
-    '/': path.join(web, 'index.html'),
-    '/index.html': path.join(web, 'index.html'),
-    '/app.js': path.join(web, 'app.js'),
-    ...(glb === null ? {} : { '/model.glb': glb }),
-  }, options);
+  const opened = await openPage(await singleFile(await sample(name), name), settings, options);
+  assert.equal(opened.state.error, null);
+  return opened;
 }
 
 test('one placeholder each, and no way to the network', async () => {
-  const text = await readFile(path.join(web, 'single.html'), 'utf8');
+  const text = await singleTemplate();
   assert.equal(text.split('@LFM_MODEL_BASE64@').length, 2);
   assert.equal(text.split('@LFM_TITLE@').length, 2);
   const policy = text.match(/Content-Security-Policy" content="([^"]*)"/)[1];
@@ -129,7 +91,7 @@ test('what is on the screen is the picture', async () => {
 
 test('the folder on a server: the mean view first, then all', async () => {
   const url = await folder(await sample(model), { slowly: 100000 });
-  const { page, complaints, requests, close } = await newPage(browser);
+  const { page, complaints, requests, close } = await blankPage();
   await page.goto(url + hashOf(kBare));
   const { error, loadedTerms, terms, times } = await untilReady(page);
   assert.equal(error, null);
@@ -238,11 +200,10 @@ test('touch on a phone: one finger turns, two zoom; all controls are in sight', 
 
 test('in a frame of a page, the wheel goes on scrolling it', async () => {
   const inner = await singleFile(await sample(model), 'inner');
-  const outer = path.join(scratch, 'outer.html');
-  await writeFile(outer, `<button autofocus>outside</button><iframe src="${inner}" width="500"
-    height="300" allow="fullscreen"></iframe><p style="height: 2000px">`);
-  const { page, complaints, close } = await newPage(browser);
-  await page.goto(pathToFileURL(outer).href);
+  const outer = await onDisk(`<button autofocus>outside</button><iframe src="${inner}" width="500"
+    height="300" allow="fullscreen"></iframe><p style="height: 2000px">`, 'outer');
+  const { page, complaints, close } = await blankPage();
+  await page.goto(outer);
   const frame = page.frames()[1];
   await frame.waitForFunction(() => window.lfm !== undefined);
   const { error, distance } = await frame.evaluate(() => window.lfm.ready);
@@ -262,15 +223,6 @@ test('in a frame of a page, the wheel goes on scrolling it', async () => {
   await close();
 });
 
-async function messageOf(page) {
-  const { error } = await untilReady(page);
-  const text = await page.locator('#error').innerText();
-  assert.ok(await page.locator('#error').isVisible());
-  assert.equal(text, error);
-  assert.ok(!text.includes('\n') && text.length < 200, text);
-  return text;
-}
-
 test('a broken model gives one clear line', async () => {
   const good = await sample(model);
   const cases = {
@@ -282,7 +234,7 @@ test('a broken model gives one clear line', async () => {
     'damaged pictures': [damagedPictures(good), /damaged|not an 8-bit RGB PNG/],
   };
   for (const [what, [bytes, expected]] of Object.entries(cases)) {
-    const { page, complaints, close } = await newPage(browser);
+    const { page, complaints, close } = await blankPage();
     await page.goto(await singleFile(bytes, 'broken'));
     const message = await messageOf(page);
     assert.match(message, expected, what);
@@ -290,11 +242,9 @@ test('a broken model gives one clear line', async () => {
     assert.deepEqual(complaints, [], what);
     await close();
   }
-  const { page, complaints, close } = await newPage(browser);
-  const template = await readFile(path.join(web, 'single.html'), 'utf8');
-  await writeFile(path.join(scratch, 'text.html'),
-                  template.replace('@LFM_MODEL_BASE64@', 'no!base64'));
-  await page.goto(pathToFileURL(path.join(scratch, 'text.html')).href);
+  const { page, complaints, close } = await blankPage();
+  await page.goto(await onDisk(
+    (await singleTemplate()).replace('@LFM_MODEL_BASE64@', 'no!base64'), 'text'));
   assert.match(await messageOf(page), /damaged/);
   assert.deepEqual(complaints, []);
   await close();
@@ -316,12 +266,12 @@ test('a server without the model, or that breaks off, gives one clear line', asy
   const good = await sample(model);
   for (const [glb, expected] of [[null, /404/], [good.subarray(0, 100000), /cut off|shorter/]]) {
     const url = await folder(glb);
-    const { page, close } = await newPage(browser);
+    const { page, close } = await blankPage();
     await page.goto(url);
     assert.match(await messageOf(page), expected);
     await close();
-    }
-  const { page, close } = await newPage(browser);
+  }
+  const { page, close } = await blankPage();
   await page.goto(pathToFileURL(path.join(web, 'index.html')).href);
   await page.waitForFunction(() => window.lfm !== undefined);
   assert.match(await messageOf(page), /serve this folder/);
@@ -329,7 +279,7 @@ test('a server without the model, or that breaks off, gives one clear line', asy
 });
 
 test('a device without WebGL 2 gets one clear line', async () => {
-  const { page, complaints, close } = await newPage(browser);
+  const { page, complaints, close } = await blankPage();
   await page.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => null; });
   await page.goto(await singleFile(await sample(model)));
   assert.match(await page.locator('#error').innerText(), /does not offer WebGL 2/);
@@ -379,7 +329,7 @@ test('the plugin works in a scene of its own', async () => {
   const viewer = await openSample(model, kBare);
   const { target, distance } = viewer.state;
   await viewer.close();
-  const { page, complaints, close } = await newPage(browser);
+  const { page, complaints, close } = await blankPage();
   await page.goto(url);
   await page.waitForFunction(() => window.show !== undefined);
   const [loadedTerms, data] =

@@ -2,12 +2,13 @@
 // The browser viewer's readers and camera, without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { boundsOf } from '../../viewer/web/src/bounds.js';
 import { decodeBc1, decodeBc4Planes } from '../../viewer/web/src/block_decoding.js';
 import { GlbSource } from '../../viewer/web/src/glb_source.js';
 import { rankByTerms, readLightField, viewMapAt } from '../../viewer/web/src/light_field.js';
 import { ModelError } from '../../viewer/web/src/model_error.js';
 import {
-  boundsOf, eyeOf, frame, lookAt, orbit, pan, withDistance, zoom,
+  eyeOf, frame, lookAt, orbit, pan, withDistance, zoom,
 } from '../../viewer/web/src/orbit_camera.js';
 import { readPngSize } from '../../viewer/web/src/page_decoding.js';
 import { readSettings } from '../../viewer/web/src/view_settings.js';

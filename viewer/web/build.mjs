@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node build.mjs OUT NODE_MODULES: writes into the folder OUT
 //
-//   index.html, app.js           with a model.glb beside them, for any static server; the title too
+//   index.html, app.js           with a model.glb beside them, for any static server; the title too.
+//                                For a scene, <meta name="model"> is to name its scene.json
 //   single.html                  one file; @LFM_TITLE@ is to be replaced by escaped text, and
-//                                @LFM_MODEL_BASE64@ by the base64 of a model
+//                                @LFM_MODEL_BASE64@ by the base64 of a model. For a scene, the
+//                                template with it is to be replaced by those that
+//                                src/model_bytes.js finds
 //   lfm-surface-light-field.js   the plugin for GLTFLoader, three.js not included
 import { createHash } from 'node:crypto';
 import { mkdir, readFile, writeFile } from 'node:fs/promises';

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: shows its model and lets it be turned.
-import { readLightField } from './light_field.js';
-import { LightFieldObject } from './light_field_object.js';
-import { openModel } from './model_bytes.js';
+// The page: shows its models and lets them be turned.
+import { findModels } from './model_bytes.js';
 import { ModelError } from './model_error.js';
-import { boundsOf } from './orbit_camera.js';
 import { listenForOrbit } from './orbit_input.js';
 import { Panel } from './panel.js';
-import { PlainMesh } from './plain_mesh.js';
+import { ShownScene } from './shown_scene.js';
 import { Stage } from './stage.js';
 import { readSettings } from './view_settings.js';
 
@@ -17,12 +14,11 @@ class App {
   constructor(panel) {
     this.panel = panel;
     this.settings = readSettings(window.location.hash);
-    this.object = null; // LightFieldObject, once its tables are read
-    this.plain = new PlainMesh();
-    this.wanted = { terms: Infinity, meanOnly: false };
+    this.models = null; // ShownScene, once it is known what is to be shown
+    this.wanted = { terms: this.settings.terms ?? Infinity, meanOnly: false };
     this.times = {}; // ms since the page was asked for
-    this.bytesShare = 1;
-    this.error = null;
+    this.error = null; // what the page says
+    this.broken = false; // nothing more is to come
     const canvas = document.getElementById('picture');
     this.stage = new Stage(canvas, this.settings, () => this.noteDrawn());
     this.listen(canvas);
@@ -58,48 +54,44 @@ class App {
       await new Promise((resolve) => document.addEventListener('DOMContentLoaded', resolve));
     }
     this.times.pageRead = performance.now();
-    const source = await openModel((share) => this.noteBytes(share));
-    this.times.modelOpen = performance.now();
-    if (!source.whole) this.showPlainMesh(source);
-    const field = await readLightField(source);
-    this.times.tablesRead = performance.now();
-    const object = new LightFieldObject(field, { decodeBlocks: this.settings.blocks === 'decode' });
-    const failure = new Promise((_, reject) => {
-      object.addEventListener('error', ({ error }) => reject(error));
-    });
-    object.addEventListener('change', ({ urgent }) => {
-      if (object.mesh.visible) this.plain.remove();
+    this.models = new ShownScene(this.stage.scene, await findModels(),
+                                 { decodeBlocks: this.settings.blocks === 'decode' });
+    this.listenToModels();
+    await this.models.load();
+    await nextPicture();
+    if (!this.broken) this.times.allShown = performance.now();
+  }
+
+  listenToModels() {
+    const { models } = this;
+    models.addEventListener('progress', () => this.showProgress());
+    models.addEventListener('change', ({ urgent }) => {
       // Draws may be slow: more of them would hold up what they wait for.
       if (urgent) this.stage.invalidate();
       else this.stage.invalidateSoon();
     });
-    this.object = object;
-    this.stage.scene.add(object);
-    this.stage.look(boundsOf(field.vertices));
-    this.panel.setModel(field.terms);
-    this.want({ terms: this.settings.terms ?? field.terms });
-    await Promise.race([object.load(source), failure]);
-    await nextPicture();
-    this.times.allShown = performance.now();
-  }
-
-  /** The mean view as other viewers show it: in a file it stands before the tables. */
-  showPlainMesh(source) {
-    this.plain.load(source).then((bounds) => {
-      if (this.object?.mesh.visible) return;
-      this.stage.scene.add(this.plain.object);
-      this.stage.look(bounds);
-    }).catch(() => {}); // the light field's own reader says what is wrong
+    models.addEventListener('bounds', () => {
+      if (models.bounds !== null) this.stage.look(models.bounds);
+    });
+    models.addEventListener('tables', () => {
+      this.panel.setModel(models.terms);
+      this.want({});
+    });
+    models.addEventListener('failure', () => this.noteFailures());
   }
 
   want(change) {
     Object.assign(this.wanted, change);
-    if (this.object === null) return;
-    const { terms } = this.object.field;
-    this.wanted.terms = Math.max(0, Math.min(Math.round(this.wanted.terms), terms));
-    this.object.terms = this.wanted.meanOnly ? 0 : this.wanted.terms;
-    this.panel.setTerms(this.wanted.terms, this.wanted.meanOnly);
+    this.wanted.terms = Math.max(0, Math.round(this.wanted.terms));
+    if (this.models === null) return;
+    this.models.showTerms(this.wanted.meanOnly ? 0 : this.wanted.terms);
+    this.panel.setTerms(this.terms, this.wanted.meanOnly);
     this.stage.invalidate();
+  }
+
+  /** How many terms are wanted, of those that there are. */
+  get terms() {
+    return Math.min(this.wanted.terms, this.models?.terms ?? Infinity);
   }
 
   /** Everything as `settings` (view_settings.js) say. */
@@ -117,34 +109,39 @@ class App {
     this.panel.setShown(this.settings.panel !== '0');
   }
 
-  noteBytes(share) {
-    if (this.error !== null) return;
-    this.bytesShare = share;
-    this.showProgress();
-  }
-
   showProgress() {
-    const terms = this.object === null ? 1 : this.object.field.terms + 1;
-    const drawn = this.object === null ? 0 : this.object.loadedTerms + 1;
-    this.panel.setProgress(0.5 * this.bytesShare + 0.5 * drawn / terms, Math.max(0, drawn - 1));
+    if (this.broken || this.models === null) return;
+    this.panel.setProgress(this.models.share, Math.max(0, this.models.loadedTerms));
   }
 
   noteDrawn() {
-    if (this.error !== null) return;
     this.showProgress();
-    const shown = this.object?.loadedTerms >= 0 || this.plain.object.parent !== null;
-    if (!shown || this.times.meanShown !== undefined) return;
+    if (this.broken || !this.models?.shown || this.times.meanShown !== undefined) return;
     this.times.meanShown = performance.now();
     nextPicture().then(() => {
       this.times.meanShown = performance.now();
     });
   }
 
+  /** A model cannot be shown: its file is named, and the others stay. */
+  noteFailures() {
+    if (this.broken) return;
+    const { failures, models } = this.models;
+    if (failures.length === models.length) {
+      this.fail(failures[0]);
+      return;
+    }
+    const more = failures.length > 1 ? `; and ${failures.length - 1} more` : '';
+    this.error = `${messageOf(failures[0])}${more}`;
+    this.panel.warn(this.error);
+    this.stage.invalidate();
+  }
+
   /** Says on the page, in one line, what is wrong. */
   fail(error) {
-    if (this.error !== null) return; // the first says what is wrong; others follow from it
-    this.error = error instanceof ModelError ? error.message
-      : `this page could not show its model (${error?.message ?? error})`;
+    if (this.broken) return; // the first says what is wrong; others follow from it
+    this.broken = true;
+    this.error = messageOf(error);
     this.panel.fail(this.error);
   }
 
@@ -152,9 +149,9 @@ class App {
     const { view } = this.stage;
     return {
       error: this.error,
-      loadedTerms: this.object?.loadedTerms ?? -1,
-      shownTerms: this.object?.shownTerms ?? 0,
-      terms: this.wanted.terms,
+      loadedTerms: this.models?.loadedTerms ?? -1,
+      shownTerms: this.models?.shownTerms ?? 0,
+      terms: this.terms,
       meanOnly: this.wanted.meanOnly,
       azimuth: view === null ? null : view.azimuth / kDegree,
       elevation: view === null ? null : view.elevation / kDegree,
@@ -162,9 +159,14 @@ class App {
       target: view === null ? null : view.target,
       draws: this.stage.draws,
       coarse: this.stage.coarse,
-      times: { ...this.times },
+      times: { ...this.times, ...this.models?.times },
     };
   }
+}
+
+function messageOf(error) {
+  return error instanceof ModelError ? error.message
+    : `this page could not show its model (${error?.message ?? error})`;
 }
 
 /** After what was drawn last has gone to the screen. */
@@ -200,6 +202,7 @@ function start() {
     state: () => app.state(),
     set: (settings) => app.set(settings),
     picture: () => app.stage.picture(),
+    measureFrames: (count) => app.stage.measureFrames(count),
   };
 }
 

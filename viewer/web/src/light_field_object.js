@@ -8,10 +8,7 @@ import { makeLightFieldMaterial } from './light_field_material.js';
 import { MapTextures } from './map_textures.js';
 import { ModelError } from './model_error.js';
 import { decodePage, TexelBudget } from './page_decoding.js';
-
-// Pages are sent to the device for a quarter of the time from draw to draw, within these limits.
-const kLeastUploadMilliseconds = 12, kMostUploadMilliseconds = 100;
-const kMostTexelsWaiting = 2 ** 25; // decoded, not yet sent: 128 MB
+import { UploadQueue } from './upload_queue.js';
 
 /**
  * Draws a light field (light_field.js) in its own frame: mm, z up. Pages arrive by `load`.
@@ -22,25 +19,45 @@ const kMostTexelsWaiting = 2 ** 25; // decoded, not yet sent: 128 MB
  * Events: 'change' when another draw would show more ({urgent}: the mean view, or the last terms),
  * 'error' ({error}) when a draw failed.
  * Colours are sRGB-coded on a canvas and linear in render targets, as three.js has them; lights
- * and tone mapping do not change them. `decodeBlocks`: see map_textures.js.
+ * and tone mapping do not change them. Objects above it may turn, move, and scale it alike in all
+ * directions. `uploads`: an UploadQueue, when several load together; `decodeBlocks`: see
+ * map_textures.js.
  */
 export class LightFieldObject extends Object3D {
-  constructor(field, options = {}) {
+  constructor(field, { uploads = new UploadQueue(), ...options } = {}) {
     super();
     this.type = 'LightFieldObject';
     this.field = field;
     this.terms = field.terms;
     this.failed = false;
+    this.allQueued = false;
     this.maps = new MapTextures(field, options);
+    this.uploads = uploads;
+    this.budget = new TexelBudget(field.name);
     const { geometry, center } = makeGeometry(field);
     this.mesh = new Mesh(geometry, makeLightFieldMaterial(field, this.maps));
     this.mesh.position.copy(center);
     this.mesh.visible = false;
-    this.mesh.onBeforeRender = (renderer, scene, camera) => this.prepare(renderer, camera);
-    this.add(this.mesh);
-    this.afterUpload = [];
-    this.allQueued = false;
-    this.lastDraw = 0; // performance.now()
+    this.mesh.frustumCulled = false; // until all is loaded, for which it has to be drawn
+    this.meshes = [];
+    this.addMesh(this, this.mesh);
+    uploads.add(this);
+  }
+
+  addMesh(parent, mesh) {
+    mesh.visible = this.mesh.visible;
+    mesh.onBeforeRender = (renderer, scene, camera) => this.prepare(renderer, camera, mesh);
+    this.meshes.push(mesh);
+    parent.add(mesh);
+  }
+
+  /** The same light field for a second place: it loads, shows terms and is freed with this one. */
+  another() {
+    const place = new Object3D();
+    const mesh = new Mesh(this.mesh.geometry, this.mesh.material);
+    mesh.position.copy(this.mesh.position);
+    this.addMesh(place, mesh);
+    return place;
   }
 
   get loadedTerms() {
@@ -57,78 +74,88 @@ export class LightFieldObject extends Object3D {
    * been drawn with. Terms wait while nobody draws.
    */
   async load(source) {
-    const { pages, needs, terms } = this.field;
-    const budget = new TexelBudget(source.name);
-    const all = (list, needed) =>
-      Promise.all(list.map((page, i) => decodePage(source, page, needed[i], budget)));
-    this.maps.addMean(await all(pages.mean, needs.mean));
-    this.allQueued = terms === 0;
-    this.mesh.visible = true;
-    this.noteChange();
-    for (let k = 0; k < terms; ++k) {
-      const [surface, view] = await Promise.all([
-        all(pages.surface[k], needs.surface[k]), all(pages.view[k], needs.view[k]),
-      ]);
-      this.maps.addTerm(k, surface, view);
-      this.allQueued = k + 1 === terms;
-      this.noteChange();
-      await this.until(() => this.maps.texelsWaiting <= kMostTexelsWaiting);
+    await this.loadMean(source);
+    for (let k = 0; k < this.field.terms; ++k) {
+      await this.loadTerm(source, k);
+      await this.uploads.until(() => this.failed || !this.uploads.full);
     }
-    await this.until(() => this.loadedTerms >= terms);
+    await this.uploads.until(() => this.failed || this.loadedTerms >= this.field.terms);
+  }
+
+  /** The first part of `load`; resolves when the pages wait to be drawn with. */
+  async loadMean(source) {
+    const { pages, needs, terms } = this.field;
+    this.maps.addMean(await this.decodeAll(source, pages.mean, needs.mean));
+    this.allQueued = terms === 0;
+    this.setVisible(!this.failed);
+    this.noteChange();
+  }
+
+  /** The next part of `load`; `k` is the first time 0. */
+  async loadTerm(source, k) {
+    const { pages, needs, terms } = this.field;
+    const [surface, view] = await Promise.all([
+      this.decodeAll(source, pages.surface[k], needs.surface[k]),
+      this.decodeAll(source, pages.view[k], needs.view[k]),
+    ]);
+    this.maps.addTerm(k, surface, view);
+    this.allQueued = k + 1 === terms;
+    this.noteChange();
+  }
+
+  decodeAll(source, list, needed) {
+    return Promise.all(list.map((page, i) => decodePage(source, page, needed[i], this.budget)));
+  }
+
+  setVisible(visible) {
+    for (const mesh of this.meshes) mesh.visible = visible;
   }
 
   noteChange() {
     this.dispatchEvent({ type: 'change', urgent: this.allQueued || this.loadedTerms < 0 });
   }
 
-  async until(condition) {
-    while (!condition() && !this.failed) {
-      await new Promise((resolve) => this.afterUpload.push(resolve));
-    }
-  }
-
-  prepare(renderer, camera) {
-    try {
-      this.uploadPages(renderer);
-    } catch (error) {
-      this.failed = true;
-      this.mesh.visible = false;
-      this.dispatchEvent({ type: 'error', error });
-    }
-    this.lastDraw = performance.now();
-    const { uniforms } = this.mesh.material;
+  prepare(renderer, camera, mesh) {
+    this.uploads.upload(renderer);
+    const { uniforms } = mesh.material;
     uniforms.terms.value = this.shownTerms;
     uniforms.surface_planes.value = this.maps.surface.planes;
+    // Exact in the model's frame, where the shader takes directions, whatever stands above it.
     const camera_from_model =
-      new Matrix4().multiplyMatrices(camera.matrixWorldInverse, this.mesh.matrixWorld);
+      new Matrix4().multiplyMatrices(camera.matrixWorldInverse, mesh.matrixWorld);
     uniforms.clip_from_model.value.multiplyMatrices(camera.projectionMatrix, camera_from_model);
     uniforms.eye.value.set(0, 0, 0).applyMatrix4(camera_from_model.invert());
     const target = renderer.getRenderTarget();
     const outputColorSpace = target === null ? renderer.outputColorSpace
       : target.isXRRenderTarget ? target.texture.colorSpace : LinearSRGBColorSpace;
     uniforms.linear_output.value = outputColorSpace === SRGBColorSpace ? 0 : 1;
-    this.mesh.material.uniformsNeedUpdate = true;
+    mesh.material.uniformsNeedUpdate = true;
   }
 
-  uploadPages(renderer) {
-    if (this.failed || this.maps.queue.length === 0) return;
-    if (this.loadedTerms < 0) checkTables(renderer, this.mesh.material, this.field.name);
-    const since = performance.now() - this.lastDraw;
-    this.maps.upload(renderer, Math.min(Math.max(since / 4, kLeastUploadMilliseconds),
-                                        kMostUploadMilliseconds));
-    for (const resolve of this.afterUpload.splice(0)) resolve();
-    // Not within a draw: listeners may want to draw at once.
-    queueMicrotask(() => this.noteChange());
+  /** Called by the UploadQueue, within a draw. */
+  uploadPage(renderer) {
+    try {
+      if (this.loadedTerms < 0) checkTables(renderer, this.mesh.material, this.field.name);
+      this.maps.uploadPage(renderer);
+      this.mesh.frustumCulled = this.loadedTerms >= this.field.terms;
+    } catch (error) {
+      this.stop();
+      this.dispatchEvent({ type: 'error', error });
+    }
+  }
+
+  stop() {
+    this.failed = true;
+    this.setVisible(false);
+    this.uploads.remove(this);
   }
 
   /** Frees what the device holds; the object cannot be drawn any more. */
   dispose() {
-    this.failed = true;
-    this.mesh.visible = false;
+    this.stop();
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.maps.dispose();
-    for (const resolve of this.afterUpload.splice(0)) resolve();
   }
 }
 

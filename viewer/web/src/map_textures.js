@@ -104,8 +104,8 @@ function blockFormat(gl, planes) {
 
 /**
  * The three arrays of a light field (light_field.js). Pages are queued in the order in which they
- * are to be seen, mean view first, then term by term, and go to the device within draws, when
- * there is one. `decodeBlocks`: as if the device read no compressed textures.
+ * are to be seen, mean view first, then term by term, and go to the device within draws
+ * (upload_queue.js). `decodeBlocks`: as if the device read no compressed textures.
  */
 export class MapTextures {
   constructor(field, { decodeBlocks = false } = {}) {
@@ -140,31 +140,18 @@ export class MapTextures {
     return this.queue.reduce((sum, { page }) => sum + (page ? page.width * page.height : 0), 0);
   }
 
-  /**
-   * Sends queued pages to the device for about `milliseconds`; the mean view always whole.
-   * Returns whether anything was sent.
-   */
-  upload(renderer, milliseconds) {
-    if (this.queue.length === 0) return false;
+  /** Sends the first page of the queue to the device. */
+  uploadPage(renderer) {
     const gl = renderer.getContext(), { state } = renderer;
-    const restore = setUnpacking(gl);
-    try {
-      if (this.gl === null) {
-        for (const array of [this.mean, this.surface, this.view]) {
-          array.allocate(gl, state, this.name, this.decodeBlocks);
-        }
-        this.gl = gl;
+    if (this.gl === null) {
+      this.gl = gl;
+      for (const array of [this.mean, this.surface, this.view]) {
+        array.allocate(gl, state, this.name, this.decodeBlocks);
       }
-      const until = performance.now() + milliseconds;
-      while (this.queue.length > 0 && (this.loadedTerms < 0 || performance.now() < until)) {
-        const { array, index, page, loadedTerms } = this.queue.shift();
-        if (page) array.upload(gl, state, index, page);
-        else this.loadedTerms = loadedTerms;
-      }
-    } finally {
-      restore();
     }
-    return true;
+    const { array, index, page, loadedTerms } = this.queue.shift();
+    if (page) array.upload(gl, state, index, page);
+    else this.loadedTerms = loadedTerms;
   }
 
   dispose() {
@@ -177,22 +164,4 @@ export class MapTextures {
 function firstOfLists(lists) {
   let pages = 0;
   return lists.map((list) => (pages += list.length) - list.length);
-}
-
-// three.js remembers what it has set, so that it has to be found as it was.
-function setUnpacking(gl) {
-  const wanted = [
-    [gl.UNPACK_FLIP_Y_WEBGL, false],
-    [gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false],
-    [gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE],
-    [gl.UNPACK_ALIGNMENT, 4],
-    [gl.UNPACK_ROW_LENGTH, 0],
-    [gl.UNPACK_IMAGE_HEIGHT, 0],
-    [gl.UNPACK_SKIP_PIXELS, 0],
-    [gl.UNPACK_SKIP_ROWS, 0],
-    [gl.UNPACK_SKIP_IMAGES, 0],
-  ];
-  const before = wanted.map(([key]) => [key, gl.getParameter(key)]);
-  for (const [key, value] of wanted) gl.pixelStorei(key, value);
-  return () => before.forEach(([key, value]) => gl.pixelStorei(key, value));
 }

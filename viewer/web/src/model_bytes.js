@@ -1,20 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the page has its model: inside itself, or beside it.
+// Where the page has its models: inside itself, or beside it.
 import { GlbSource } from './glb_source.js';
 import { ModelError } from './model_error.js';
+import { kWhereItIs } from './placement.js';
+import { parseScene } from './scene_description.js';
 
-/** The GLB source of this page. `onProgress(share)`: 0 to 1. */
-export function openModel(onProgress) {
-  const inside = document.getElementById('model');
-  if (inside !== null) return openInside(inside);
+/**
+ * The models of this page, [{name, places, open}]: `name` for people; `places` (placement.js) where
+ * it stands; `open(note)` a promise of its GLB source, `note(share)` tells how much is here, 0 to 1.
+ *
+ * Inside: the scene is the text of the element "scene", each file that it names that of a template
+ * with `data-file`; one model where it is that of the element "model". Beside: <meta name="model">
+ * names the model, or the scene (.json) whose files lie beside it.
+ */
+export async function findModels() {
+  const scene = document.getElementById('scene');
+  if (scene !== null) {
+    return parseScene(textOf(scene), 'the scene in this page').map(({ file, places }) => {
+      const name = `${file} in this page`;
+      return { name, places, open: async () => openInside(elementOfFile(file), name) };
+    });
+  }
+  const model = document.getElementById('model');
+  if (model !== null) {
+    const name = 'the model in this page';
+    return [{ name, places: [kWhereItIs], open: async () => openInside(model, name) }];
+  }
   const name = document.querySelector('meta[name=model]')?.content ?? 'model.glb';
-  return openBeside(name, onProgress);
+  const url = new URL(name, document.baseURI);
+  if (!url.pathname.endsWith('.json')) {
+    return [{ name, places: [kWhereItIs], open: (note) => openBeside(url, name, note) }];
+  }
+  const text = await (await fetchBeside(url, name)).text();
+  return parseScene(text, name).map(({ file, places }) => {
+    const path = file.split('/').map(encodeURIComponent).join('/');
+    return { name: file, places, open: (note) => openBeside(new URL(path, url), file, note) };
+  });
 }
 
-function openInside(element) {
-  const name = 'the model in this page';
-  const text = element.content.textContent.trim();
-  if (text === '' || text.startsWith('@')) throw new ModelError('there is no model in this page');
+const textOf = (element) => element.content.textContent.trim();
+
+function elementOfFile(file) {
+  const elements = [...document.querySelectorAll('template[data-file]')];
+  return elements.find((element) => element.dataset.file === file) ?? null;
+}
+
+function openInside(element, name) {
+  const text = element === null ? '' : textOf(element);
+  if (text === '' || text.startsWith('@')) {
+    throw new ModelError(element?.id === 'model' ? 'there is no model in this page'
+      : `${name}: not there; make the page again`);
+  }
   let bytes;
   try {
     bytes = bytesOfBase64(text);
@@ -33,22 +69,27 @@ function bytesOfBase64(text) {
   return bytes;
 }
 
-async function openBeside(name, onProgress) {
+async function fetchBeside(url, file) {
   let response;
   try {
-    response = await fetch(name);
+    response = await fetch(url);
   } catch {
     throw new ModelError(
       window.location.protocol === 'file:'
-        ? `${name}: pages on the disk may not read it; serve this folder (python3 -m http.server)`
-        : `${name}: the server does not answer; load the page again`);
+        ? `${file}: pages on the disk may not read it; serve this folder (python3 -m http.server)`
+        : `${file}: the server does not answer; load the page again`);
   }
   if (!response.ok || response.body === null) {
-    throw new ModelError(`${name}: the server answers ${response.status}; ` +
+    throw new ModelError(`${file}: the server answers ${response.status}; ` +
                          'put the model beside index.html');
   }
-  return GlbSource.fromStream(response.body, name, {
+  return response;
+}
+
+async function openBeside(url, file, note) {
+  const response = await fetchBeside(url, file);
+  return GlbSource.fromStream(response.body, file, {
     declaredBytes: Number(response.headers.get('content-length') ?? 0),
-    onProgress: (bytes, total) => onProgress(Math.min(1, bytes / Math.max(total, 1))),
+    onProgress: (bytes, total) => note(Math.min(1, bytes / Math.max(total, 1))),
   });
 }

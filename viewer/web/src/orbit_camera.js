@@ -8,23 +8,10 @@ const kMaxElevation = 89 * Math.PI / 180;
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-/** {low, high, center, radius} of positions x, y, z, x, ... */
-export function boundsOf(positions) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  positions.forEach((value, i) => {
-    low[i % 3] = Math.min(low[i % 3], value);
-    high[i % 3] = Math.max(high[i % 3], value);
-  });
-  const center = low.map((value, i) => (value + high[i]) / 2);
-  let radius = 0;
-  for (let i = 0; i < positions.length; i += 3) {
-    radius = Math.max(radius, Math.hypot(positions[i] - center[0], positions[i + 1] - center[1],
-                                         positions[i + 2] - center[2]));
-  }
-  return { low, high, center, radius: radius > 0 ? radius : 1 };
-}
-
-/** A camera whose picture holds all of `bounds` with a margin; aspect = width / height. */
+/**
+ * A camera whose picture holds all of `bounds` (bounds.js) with a margin; aspect = width / height.
+ * The eye comes as near as the smallest part of a scene wants it: `bounds.closest`.
+ */
 export function frame(bounds, verticalFov, aspect) {
   const halfTangent = Math.tan(verticalFov / 2) * Math.min(1, aspect) * (1 - kFramingMargin);
   const distance = bounds.radius * Math.sqrt(1 + 1 / (halfTangent * halfTangent));
@@ -36,9 +23,14 @@ export function frame(bounds, verticalFov, aspect) {
     verticalFov,
     center: bounds.center,
     radius: bounds.radius,
-    minDistance: Math.min(1.05 * bounds.radius, distance),
+    minDistance: Math.min(1.05 * (bounds.closest ?? bounds.radius), distance),
     maxDistance: Math.max(50 * bounds.radius, 2 * distance),
   };
+}
+
+/** The camera where it is, within the limits of `framed`, one that frames other bounds. */
+export function withLimitsOf(camera, { center, radius, minDistance, maxDistance }) {
+  return { ...camera, center, radius, minDistance, maxDistance };
 }
 
 export function orbit(camera, azimuthChange, elevationChange) {

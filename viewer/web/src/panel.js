@@ -77,10 +77,21 @@ export class Panel {
   }
 
   fail(message) {
-    element('error').textContent = message;
-    element('error').hidden = false;
+    this.say(message);
     element('progress').hidden = true;
     this.hideHint();
+  }
+
+  /** Beside what can be shown. */
+  warn(message) {
+    this.say(message);
+    element('error').classList.add('aside');
+  }
+
+  say(message) {
+    element('error').textContent = message;
+    element('error').classList.remove('aside');
+    element('error').hidden = false;
   }
 }
 

@@ -6,31 +6,45 @@ import {
   SRGBColorSpace, Texture,
 } from 'three';
 import { GltfDocument, kUint32, kUint16 } from './gltf_document.js';
-import { boundsOf } from './orbit_camera.js';
 import { readPngSize, TexelBudget } from './page_decoding.js';
+import { stand } from './placement.js';
 
 export class PlainMesh {
-  constructor() {
-    this.object = new Group(); // mm, z up: the node's transformation is left out
+  /** `places`: where it stands, placement.js. */
+  constructor(places) {
+    // mm, z up: the node's transformation is left out
+    this.groups = places.map((place) => {
+      const group = new Group();
+      stand(group, place);
+      return group;
+    });
+    this.meshes = [];
   }
 
-  /** Resolves with the bounds (orbit_camera.js) when the mesh and its pictures are there. */
+  /** Resolves with the positions when the mesh and its pictures are there. */
   async load(source) {
     const doc = new GltfDocument(source);
     const primitives = doc.list(source.json.meshes?.[0]?.primitives, 'the plain mesh');
-    const meshes = await Promise.all(primitives.map((primitive) => readPrimitive(doc, primitive)));
-    this.object.add(...meshes);
-    const positions = meshes.flatMap((mesh) => [...mesh.geometry.getAttribute('position').array]);
-    return boundsOf(positions);
+    this.meshes = await Promise.all(primitives.map((primitive) => readPrimitive(doc, primitive)));
+    for (const group of this.groups) group.add(...this.meshes.map((mesh) => mesh.clone()));
+    return this.meshes.flatMap((mesh) => [...mesh.geometry.getAttribute('position').array]);
+  }
+
+  get shown() {
+    return this.groups[0].parent !== null;
+  }
+
+  show(scene) {
+    scene.add(...this.groups);
   }
 
   remove() {
-    if (this.object.parent === null) return;
-    this.object.removeFromParent();
-    for (const mesh of this.object.children) {
-      mesh.geometry.dispose();
-      mesh.material.map.dispose();
-      mesh.material.dispose();
+    if (!this.shown) return;
+    for (const group of this.groups) group.removeFromParent();
+    for (const { geometry, material } of this.meshes) {
+      geometry.dispose();
+      material.map.dispose();
+      material.dispose();
     }
   }
 }

@@ -2,7 +2,7 @@
 // Canvas, renderer, scene and camera; draws when something has changed, never in a loop.
 import { Color, PerspectiveCamera, Raycaster, Scene, Vector2, WebGLRenderer } from 'three';
 import { ModelError } from './model_error.js';
-import { eyeOf, frame, lookAt, orbit, withDistance } from './orbit_camera.js';
+import { eyeOf, frame, lookAt, orbit, withDistance, withLimitsOf } from './orbit_camera.js';
 
 const kMostPixelRatio = 2;
 const kSoonMilliseconds = 300;
@@ -40,19 +40,26 @@ export class Stage {
     this.renderer.setClearColor(new Color(`#${this.settings.background}`), 1);
   }
 
-  /** At what there is to see now; `bounds`: orbit_camera.js. */
+  /** At what there is to see now; `bounds`: bounds.js. */
   look(bounds) {
     this.bounds = bounds;
-    if (!this.touched) this.home();
-    else this.invalidate();
+    if (this.touched) this.view = withLimitsOf(this.view, this.framed());
+    else this.home();
+    this.invalidate();
+  }
+
+  /** What the settings say, of what there is to see. */
+  framed() {
+    const { azimuth, elevation, distance, fov } = this.settings;
+    const view = frame(this.bounds, fov * kDegree, this.lens.aspect);
+    const turned =
+      orbit({ ...view, azimuth: 0, elevation: 0 }, azimuth * kDegree, elevation * kDegree);
+    return withDistance(turned, distance);
   }
 
   home() {
     if (this.bounds === null) return;
-    const { azimuth, elevation, distance, fov } = this.settings;
-    let view = frame(this.bounds, fov * kDegree, this.lens.aspect);
-    view = orbit({ ...view, azimuth: 0, elevation: 0 }, azimuth * kDegree, elevation * kDegree);
-    this.view = withDistance(view, distance);
+    this.view = this.framed();
     this.touched = false;
     this.invalidate();
   }
@@ -144,6 +151,34 @@ export class Stage {
       this.measuring = false;
     };
     setTimeout(look);
+  }
+
+  /**
+   * The median milliseconds of `count` draws in all pixels, each turned by a degree and waited for.
+   * The view stays. Pages that still arrive would be counted in.
+   */
+  async measureFrames(count) {
+    if (!Number.isInteger(count) || count < 1) throw new RangeError('how many frames?');
+    if (this.view === null) throw new ModelError('there is nothing to draw yet');
+    this.setCoarse(false);
+    const gl = this.renderer.getContext(), pixel = new Uint8Array(4), { view } = this;
+    const milliseconds = [];
+    try {
+      for (let frame = 1; frame <= count; ++frame) {
+        this.view = orbit(view, frame * kDegree, 0);
+        const begun = performance.now();
+        this.placeLens();
+        this.renderer.render(this.scene, this.lens);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // there when all is drawn
+        milliseconds.push(performance.now() - begun);
+        await new Promise((resolve) => setTimeout(resolve)); // the page stays alive
+      }
+    } finally {
+      this.view = view;
+      this.draw();
+    }
+    milliseconds.sort((a, b) => a - b);
+    return (milliseconds[(count - 1) >> 1] + milliseconds[count >> 1]) / 2;
   }
 
   placeLens() {
