@@ -2,9 +2,10 @@
 // Times drawing: OpenGL's ways against a plain draw of the same mesh with one texture, on the same
 // driver and in turns, and the reference renderer against casting its rays alone.
 //
-//   lfm-bench-viewer MODEL... [--terms K] [--decoded]
+//   lfm-bench-viewer MODEL... [--terms K] [--decoded] [--by-terms]
 //
-// 1024 x 768, the object over about a third of the picture. Medians of 15 frames.
+// 1024 x 768, the object over about a third of the picture. Medians of 15 frames. --by-terms: rate
+// against the number of terms, in one pass and by the paper's algorithm (its Figure 10).
 #include <epoxy/gl.h>
 
 #include <algorithm>
@@ -190,27 +191,77 @@ void Report(const std::string& file, int terms, lfm::BlockUse block_use) {
               Median(shaded), Median(rays), 100 * Median(rays) / Median(shaded));
 }
 
+// A row a number of terms.
+void ReportByTerms(const std::string& file, lfm::BlockUse block_use) {
+  const lfm::LightFieldModel model = lfm::ReadModel(file).model;
+  const View view = ThirdOfThePicture(model);
+  const lfm::GlRenderer gl(model, block_use);
+  const lfm::GlFramebuffer framebuffer(kWidth, kHeight, 1);
+  framebuffer.Bind();
+  const std::vector<lfm::Passes> ways = {lfm::Passes::kOne, lfm::Passes::kPaper,
+                                         lfm::Passes::kPaperUnsigned};
+  std::printf("%s: %zu triangles, %.1f MB of maps\n", file.c_str(), model.mesh.triangles.size(),
+              static_cast<double>(model.MapsBytes()) * 1e-6);
+  std::vector<std::vector<std::vector<double>>> times(
+      model.terms + 1, std::vector<std::vector<double>>(ways.size()));
+  for (int frame = -1; frame < kFrames; ++frame) {  // shaders are compiled in the first
+    for (int terms = 1; terms <= model.terms; ++terms) {
+      for (size_t way = 0; way < ways.size(); ++way) {
+        lfm::GlRenderOptions options;
+        options.evaluation.terms = terms;
+        options.passes = ways[way];
+        const double time = Milliseconds([&] {
+          gl.Draw(view.camera, view.pose, options);
+          glFinish();
+        });
+        if (frame >= 0) times[terms][way].push_back(time);
+      }
+    }
+  }
+  for (int terms = 1; terms <= model.terms; ++terms) {
+    std::printf("| %d |", terms);
+    for (size_t way = 0; way < ways.size(); ++way) {
+      lfm::GlRenderOptions options;
+      options.evaluation.terms = terms;
+      options.passes = ways[way];
+      const double time = Median(times[terms][way]);
+      std::printf(" %d: %.1f ms, %.1f frames/s |", gl.PassCount(options), time, 1000 / time);
+    }
+    std::printf("\n");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   int terms = 3;
   lfm::BlockUse block_use = lfm::BlockUse::kAsTheyAre;
+  bool by_terms = false;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--terms") == 0 && i + 1 < argc) {
       terms = std::atoi(argv[++i]);
     } else if (std::strcmp(argv[i], "--decoded") == 0) {
       block_use = lfm::BlockUse::kDecoded;
+    } else if (std::strcmp(argv[i], "--by-terms") == 0) {
+      by_terms = true;
     } else {
       files.emplace_back(argv[i]);
     }
   }
   if (files.empty()) {
-    std::fprintf(stderr, "lfm-bench-viewer MODEL... [--terms K] [--decoded]\n");
+    std::fprintf(stderr, "lfm-bench-viewer MODEL... [--terms K] [--decoded] [--by-terms]\n");
     return 2;
   }
   try {
     const lfm::EglContext context;
+    if (by_terms) {
+      std::printf(
+          "%s\n| terms | one pass | the paper's passes | unsigned ones |\n|---|---|---|---|\n",
+          glGetString(GL_RENDERER));
+      for (const std::string& file : files) ReportByTerms(file, block_use);
+      return 0;
+    }
     std::printf(
         "%s\n| way | a frame | times one texture | rate | against the reference | against "
         "exact |\n|---|---|---|---|---|---|\n",

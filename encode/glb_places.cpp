@@ -138,6 +138,9 @@ void ReadBlocks(const Document& doc, const json& blocks, int64_t max_texels,
   for (const json& pages : ListOfTerms(doc, blocks, "view", model.terms)) {
     model.blocks.view.push_back(reader.Pages(pages, 1));
   }
+}
+
+void DecodeBlocks(LightFieldModel& model) {
   model.mean_pages = Decoded(model.blocks.mean);
   for (int k = 0; k < model.terms; ++k) {
     model.surface_pages.push_back(Decoded(model.blocks.surface[k]));

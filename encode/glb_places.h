@@ -11,8 +11,10 @@ namespace lfm::glb {
 /// ValidateModel.
 void ReadPlaces(const Document& doc, const nlohmann::json& extension, LightFieldModel& model);
 
-/// Reads pages in blocks, `max_texels` in all at most, and decodes them.
+/// Reads pages in blocks, `max_texels` in all at most, as they are.
 void ReadBlocks(const Document& doc, const nlohmann::json& blocks, int64_t max_texels,
                 LightFieldModel& model);
+/// Makes pages of all blocks that `model` has.
+void DecodeBlocks(LightFieldModel& model);
 
 }  // namespace lfm::glb

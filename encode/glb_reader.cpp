@@ -204,7 +204,21 @@ void DecodePages(const Document& doc, const PendingPages& pending, LightFieldMod
   });
 }
 
-LightFieldModel ReadDocument(const Document& doc) {
+void DropTerms(LightFieldModel& model) {
+  model.terms = 0;
+  model.mean_in_terms = false;
+  model.vertex_terms.assign(model.vertex_terms.size(), 0);
+  model.view_slots = RankByTerms(model.vertex_terms);
+  model.surface_ranges.clear();
+  model.view_ranges.clear();
+  model.surface_placements.clear();
+  model.view_codes.clear();
+  model.view_tile_counts.clear();
+  model.blocks.surface.clear();
+  model.blocks.view.clear();
+}
+
+LightFieldModel ReadDocument(const Document& doc, GlbContent content) {
   const json& root = doc.container.json;
   doc.Require(root.is_object() && root.contains("extensions") && root["extensions"].is_object() &&
                   root["extensions"].contains(glb::kExtension),
@@ -221,8 +235,11 @@ LightFieldModel ReadDocument(const Document& doc) {
   glb::ReadPlaces(doc, extension, model);
   ReadViewLayout(doc, extension, model);
   ReadGuessedDirections(doc, extension, model);
-  if (extension.contains("blocks")) {
-    glb::ReadBlocks(doc, extension["blocks"], kMaxTexels, model);
+  const bool in_blocks = extension.contains("blocks");
+  if (in_blocks) glb::ReadBlocks(doc, extension["blocks"], kMaxTexels, model);
+  if (content == GlbContent::kMeanView) DropTerms(model);
+  if (in_blocks) {
+    glb::DecodeBlocks(model);
   } else {
     DecodePages(doc, pages, model);
   }
@@ -232,14 +249,14 @@ LightFieldModel ReadDocument(const Document& doc) {
 
 }  // namespace
 
-LightFieldModel ReadGlb(const std::filesystem::path& file) {
-  return ReadGlbBytes(ReadFile(file), file.string());
+LightFieldModel ReadGlb(const std::filesystem::path& file, GlbContent content) {
+  return ReadGlbBytes(ReadFile(file), file.string(), content);
 }
 
-LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name) {
+LightFieldModel ReadGlbBytes(std::string_view bytes, const std::string& name, GlbContent content) {
   return NamingFile(name, [&] {
     const GlbContainer container = ParseGlb(bytes, name);
-    return ReadDocument({container, name});
+    return ReadDocument({container, name}, content);
   });
 }
 

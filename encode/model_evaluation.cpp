@@ -74,20 +74,23 @@ float MeanShare(const LightFieldModel& model, int triangle, const Eigen::Vector3
 
 }  // namespace
 
-Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
-                              const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
-                              const EvaluationOptions& options) {
+Eigen::Vector3f EvaluateUnclamped(const LightFieldModel& model, int triangle,
+                                  const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
+                                  const EvaluationOptions& options) {
   const PatchPlacement& placement = model.placements[triangle];
   const Image& mean_page = model.mean_pages[placement.page];
   const Tap surface = SurfaceTap(placement, mean_page.width(), weights);
-  Eigen::Vector3f color =
-      Sample(mean_page, surface) * (MeanShare(model, triangle, weights, options) / 255);
+  Eigen::Vector3f color = Eigen::Vector3f::Constant(model.mean_in_terms ? 0.f : 0.5f);
+  if (options.term_alone < 0) {
+    color = Sample(mean_page, surface) * (MeanShare(model, triangle, weights, options) / 255);
+  }
 
   const Eigen::Vector3i& corners = model.mesh.triangles[triangle];
-  const int wanted = std::min(options.terms, model.TriangleTerms(triangle));
+  const int first = options.FirstTerm();
+  const int wanted = std::min(options.EndOfTerms(), model.TriangleTerms(triangle));
   std::array<Eigen::Vector3f, 16> surface_codes;
   const int shared = std::min<int>(wanted, surface_codes.size());
-  for (int k = 0; k < shared; ++k) {
+  for (int k = first; k < shared; ++k) {
     const PatchPlacement& own = model.SurfacePlacement(k, triangle);
     const Image& page = model.surface_pages[k][own.page];
     surface_codes[k] = model.surface_placements.empty()
@@ -98,10 +101,10 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
   for (int c = 0; c < 3; ++c) {
     const int vertex = corners[c];
     const int terms = std::min(shared, model.vertex_terms[vertex]);
-    if (terms <= 0) continue;
+    if (terms <= first) continue;
     const Eigen::Vector2d square =
         SquareFromDirection(model.direction_map, model.vertex_frames[vertex].transpose() * to_eye);
-    for (int k = 0; k < terms; ++k) {
+    for (int k = first; k < terms; ++k) {
       const size_t range = k * vertices + vertex;
       const LightFieldModel::TilePosition tile = model.ViewTile(k, vertex);
       const Image& page = model.view_pages[k][tile.page];
@@ -111,7 +114,13 @@ Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
       color.array() += g * (view_range.scale / 255 * h.array() + view_range.bias);
     }
   }
-  return color.cwiseMax(0.f).cwiseMin(1.f);
+  return color;
+}
+
+Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
+                              const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
+                              const EvaluationOptions& options) {
+  return EvaluateUnclamped(model, triangle, weights, to_eye, options).cwiseMax(0.f).cwiseMin(1.f);
 }
 
 }  // namespace lfm

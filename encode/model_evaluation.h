@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "encode/model.h"
 
@@ -10,6 +11,13 @@ namespace lfm {
 /// What of a model is evaluated.
 struct EvaluationOptions {
   int terms = 1 << 20;  ///< at most this many terms; 0 = the mean view alone
+  /// This term alone, from 0, over mid grey (over black where the terms hold the mean view, NMF):
+  /// `terms` does not count then. Negative: none.
+  int term_alone = -1;
+
+  int FirstTerm() const { return std::max(term_alone, 0); }
+  /// One behind the last.
+  int EndOfTerms() const { return term_alone >= 0 ? term_alone + 1 : terms; }
 };
 
 /// The colour that a model shows: what a model *means*. The renderers call this, or are tested
@@ -26,5 +34,9 @@ struct EvaluationOptions {
 Eigen::Vector3f EvaluateModel(const LightFieldModel& model, int triangle,
                               const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
                               const EvaluationOptions& options = {});
+/// The same before it is clamped: below 0 and above 1 where the terms say so.
+Eigen::Vector3f EvaluateUnclamped(const LightFieldModel& model, int triangle,
+                                  const Eigen::Vector3d& weights, const Eigen::Vector3d& to_eye,
+                                  const EvaluationOptions& options = {});
 
 }  // namespace lfm

@@ -36,6 +36,18 @@ void CheckLimits(const std::string& what, int width, int height, size_t layers) 
   }
 }
 
+/// Whether blocks go to the driver as they are.
+bool ReadsBlocks(BlockUse block_use) {
+  if (!epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc")) return false;
+  if (block_use != BlockUse::kAutomatic) return block_use == BlockUse::kAsTheyAre;
+  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const std::string renderer = name == nullptr ? "" : name;
+  for (const char* software : {"llvmpipe", "softpipe", "SwiftShader", "Software Rasterizer"}) {
+    if (renderer.find(software) != std::string::npos) return false;
+  }
+  return true;
+}
+
 /// An array of `layers` layers of RGB8, or of blocks; what is not uploaded is never read.
 GlObject MakeArray(const std::string& what, GLenum format, int width, int height, size_t layers) {
   CheckLimits(what, width, height, layers);
@@ -205,8 +217,7 @@ GlLightFieldMaps UploadMaps(const LightFieldModel& model, BlockUse block_use) {
   }
   GlLightFieldMaps maps;
   const LightFieldModel::Blocks& blocks = model.blocks;
-  if (blocks.empty() || block_use == BlockUse::kDecoded ||
-      !epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc")) {
+  if (blocks.empty() || !ReadsBlocks(block_use)) {
     maps.mean = UploadPages("mean", ListPages(model.mean_pages));
     maps.surface = UploadPages("surface", ListPages(model.surface_pages, maps.surface_first));
     maps.view = UploadPages("view", ListPages(model.view_pages, maps.view_first));

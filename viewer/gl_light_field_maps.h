@@ -36,12 +36,14 @@ struct GlLightFieldMaps {
 
 /// What becomes of pages in blocks.
 enum class BlockUse {
+  kAutomatic,  ///< decoded on drivers in software, which draw that faster, else as they are
   kAsTheyAre,  ///< an eighth of the memory; decoded where the driver does not read BC1 (S3TC)
-  kDecoded,    ///< what they decode to: faster on drivers in software
+  kDecoded,    ///< what they decode to
 };
 
 /// Uploads. Throws Error when a page or the number of pages exceeds the driver's limits (encode
 /// again with another --max-texture-size), or the memory is not there.
-GlLightFieldMaps UploadMaps(const LightFieldModel& model, BlockUse block_use = {});
+GlLightFieldMaps UploadMaps(const LightFieldModel& model,
+                            BlockUse block_use = BlockUse::kAsTheyAre);
 
 }  // namespace lfm

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "viewer/egl_context.h"
 #include "viewer/gl_framebuffer.h"
-#include "viewer/gl_renderer.h"
+#include "viewer/gl_scene.h"
 #include "viewer/pixel_sum.h"
 
 namespace lfm {
@@ -50,17 +50,20 @@ void StoreTile(const Image& samples, const Tile& tile, const RenderOptions& opti
 }  // namespace
 
 struct GlPictures::State {
-  State(const LightFieldModel& model, ViewCoordinates coordinates, int side)
-      : renderer(model), view_coordinates(coordinates), tile_side(side) {}
+  State(const Scene& models, ViewCoordinates coordinates, int side)
+      : scene(models, BlockUse::kAutomatic), view_coordinates(coordinates), tile_side(side) {}
   EglContext context;  // before what lives in it
-  GlRenderer renderer;
+  GlScene scene;
   ViewCoordinates view_coordinates;
   int tile_side;
 };
 
 GlPictures::GlPictures(const LightFieldModel& model, ViewCoordinates view_coordinates,
                        int tile_side)
-    : state_(std::make_unique<State>(model, view_coordinates, tile_side)) {
+    : GlPictures(SceneOf(model), view_coordinates, tile_side) {}
+
+GlPictures::GlPictures(const Scene& scene, ViewCoordinates view_coordinates, int tile_side)
+    : state_(std::make_unique<State>(scene, view_coordinates, tile_side)) {
   if (tile_side < 16) throw Error("tiles have 16 samples a side at least", ErrorKind::kSystem);
 }
 GlPictures::~GlPictures() = default;
@@ -75,6 +78,7 @@ Rendering GlPictures::Render(const Camera& camera, const Pose& camera_from_world
   Rendering rendering = EmptyRendering(camera.width, camera.height, options);
   GlRenderOptions gl_options;
   gl_options.evaluation = options.evaluation;
+  gl_options.tone = options.tone;
   gl_options.view_coordinates = state_->view_coordinates;
   gl_options.background_alpha = 0;
   progress.Start("render", camera.height);
@@ -85,7 +89,7 @@ Rendering GlPictures::Render(const Camera& camera, const Pose& camera_from_world
       const Camera samples = SampleCamera(camera, tile, n);
       const GlFramebuffer framebuffer(samples.width, samples.height, 1);
       framebuffer.Bind();
-      state_->renderer.Draw(samples, camera_from_world, gl_options);
+      state_->scene.Draw(samples, camera_from_world, gl_options);
       StoreTile(framebuffer.Read(4), tile, options, rendering);
       progress.Advance(0);  // may be interrupted
     }

@@ -19,6 +19,10 @@ class GlPictures {
   explicit GlPictures(const LightFieldModel& model,
                       ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel,
                       int tile_side = kTileSide);
+  /// Several models, each where it stands.
+  explicit GlPictures(const Scene& scene,
+                      ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel,
+                      int tile_side = kTileSide);
   ~GlPictures();
   GlPictures(GlPictures&&) noexcept;
 

@@ -63,27 +63,6 @@ void UploadVertices(const GlObject& array, const GlObject& buffer,
   CheckGl("upload the triangles");
 }
 
-/// Clip space of a pinhole: pixel centres at integers in the picture, at halves in the window,
-/// whose rows count from the bottom.
-Eigen::Matrix4d ClipFromCamera(const Camera& camera, double near, double far) {
-  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
-  clip(0, 0) = 2 * camera.fx / camera.width;
-  clip(0, 2) = 2 * (camera.cx + 0.5) / camera.width - 1;
-  clip(1, 1) = -2 * camera.fy / camera.height;
-  clip(1, 2) = 1 - 2 * (camera.cy + 0.5) / camera.height;
-  clip(2, 2) = (far + near) / (far - near);
-  clip(2, 3) = -2 * far * near / (far - near);
-  clip(3, 2) = 1;
-  return clip;
-}
-
-Eigen::Matrix4d CameraFromModel(const Pose& camera_from_world, const Eigen::Vector3d& center) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = camera_from_world.rotation;
-  matrix.topRightCorner<3, 1>() = camera_from_world * center;
-  return matrix;
-}
-
 // What vertices hand over is counted in vectors of four: three a term, and four others.
 int MostCornerTerms() {
   GLint out = 0, in = 0;
@@ -114,16 +93,34 @@ void SetIntegers(GLuint program, const char* name, std::span<const int> values) 
                values.data());
 }
 
+// What the fragment shader makes of LFM_PASS; none for all terms at once.
+enum PassKind { kWholePicture = -1, kMeanPass = 0, kProductPass = 1, kPartsPass = 2 };
+
+// Which part of the product of a surface and a view map a pass draws.
+struct PaperProduct {
+  float surface_sign, view_sign;
+  bool added;  // else subtracted
+};
+
 }  // namespace
 
 struct GlRenderer::State {
+  /// The passes for one corner of one term.
+  std::span<const PaperProduct> PaperProducts(Passes passes) const {
+    static constexpr PaperProduct kParts[] = {
+        {1, 1, true}, {-1, -1, true}, {1, -1, false}, {-1, 1, false}};
+    static constexpr PaperProduct kSigned[] = {{1, 1, true}, {-1, 1, false}};
+    const std::span<const PaperProduct> all =
+        passes == Passes::kPaper ? std::span(kSigned) : std::span<const PaperProduct>(kParts);
+    return mean_in_terms ? all.first(1) : all;
+  }
+
   GlLightFieldMaps maps;
   GlObject vertex_array, vertex_buffer;
   /// By the constants in their sources, made when they are first used: a branch on a uniform costs
   /// software both ways.
   std::map<std::string, GlObject> programs;
-  Eigen::Vector3d center;
-  double radius = 1;  ///< of the mesh round center, mm
+  Sphere bounds;
   int corner_count = 0, vertex_count = 0;
   int terms = 0, grid = 2, view_tiles_per_row = 1, view_tiles_per_page = 1;
   DirectionMap direction_map = DirectionMap::kHemiOctahedral;
@@ -136,15 +133,9 @@ GlRenderer::GlRenderer(const LightFieldModel& model, BlockUse block_use)
     : state_(std::make_unique<State>()) {
   RequireGl33();
   ValidateModel(model, "the model");
-  Eigen::Vector3d low = model.mesh.vertices[0], high = low;
-  for (const Eigen::Vector3d& vertex : model.mesh.vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  state_->center = (low + high) / 2;
-  state_->radius = std::max((high - low).norm() / 2, 1e-6);
+  state_->bounds = SphereOf(model.mesh.vertices);
   state_->maps = UploadMaps(model, block_use);
-  const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->center);
+  const std::vector<CornerVertex> vertices = MakeCornerVertices(model, state_->bounds.center);
   state_->corner_count = static_cast<int>(vertices.size());
   state_->vertex_array = GlObject(GlObject::Kind::kVertexArray);
   state_->vertex_buffer = GlObject(GlObject::Kind::kBuffer);
@@ -160,27 +151,39 @@ GlRenderer::GlRenderer(const LightFieldModel& model, BlockUse block_use)
   state_->blocks = !model.blocks.empty();
   state_->surface_planes = state_->maps.surface_planes;
   state_->triangle_count = static_cast<int>(model.mesh.triangles.size());
-  ProgramFor({});  // what the driver has to say about the shaders, it says now
+  ProgramFor({}, kWholePicture);  // what the driver has to say about the shaders, it says now
 }
 GlRenderer::~GlRenderer() = default;
 GlRenderer::GlRenderer(GlRenderer&&) noexcept = default;
+GlRenderer& GlRenderer::operator=(GlRenderer&&) noexcept = default;
 
-uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options) const {
-  const int terms = std::clamp(options.evaluation.terms, 0, state_->terms);
-  const bool at_corners = options.view_coordinates == ViewCoordinates::kMapsAtCorners &&
-                          terms > 0 && terms <= MostCornerTerms();
+const Sphere& GlRenderer::bounds() const { return state_->bounds; }
+
+uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options, int pass_kind) const {
+  const EvaluationOptions& evaluation = options.evaluation;
+  const int terms = std::clamp(evaluation.terms, 0, state_->terms);
+  const bool alone = evaluation.term_alone >= 0, whole = pass_kind == kWholePicture;
+  const bool at_corners = options.view_coordinates == ViewCoordinates::kMapsAtCorners && whole &&
+                          !alone && terms > 0 && terms <= MostCornerTerms();
   const auto constant = [](const char* name, int value) {
     return std::string("const int ") + name + " = " + std::to_string(value) + ";\n";
   };
+  const auto define = [](bool wanted, const char* name, int value) {
+    return wanted ? std::string("#define ") + name + " " + std::to_string(value) + "\n" : "";
+  };
   const std::string constants =
-      (at_corners ? "#define LFM_CORNER_TERMS " + std::to_string(terms) + "\n" : "") +
-      "#define LFM_CONSTANTS\n" + constant("codebooks", state_->codebooks) +
-      constant("blocks", state_->blocks) + constant("surface_planes", state_->surface_planes) +
+      define(at_corners, "LFM_CORNER_TERMS", terms) +
+      define(alone && whole, "LFM_TERM", evaluation.term_alone) +
+      define(!options.tone.IsIdentity() && whole, "LFM_TONE",
+             static_cast<int>(options.tone.curve)) +
+      define(!whole, "LFM_PASS", pass_kind) + "#define LFM_CONSTANTS\n" +
+      constant("codebooks", state_->codebooks) + constant("blocks", state_->blocks) +
+      constant("surface_planes", state_->surface_planes) +
       constant("direction_map", static_cast<int>(state_->direction_map)) +
       constant("mean_in_terms", state_->mean_in_terms) +
       constant("view_coordinates_per_vertex",
                options.view_coordinates == ViewCoordinates::kPerVertex) +
-      constant("wireframe", options.edges == EdgeOverlay::kWireframe);
+      constant("wireframe", options.edges == EdgeOverlay::kWireframe && whole);
   GlObject& program = state_->programs[constants];
   if (program.name() == 0) {
     program = MakeProgram(WithConstants(shaders::kLightFieldVertex, constants),
@@ -190,34 +193,11 @@ uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options) const {
   return program.name();
 }
 
-void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
-                      const GlRenderOptions& options) const {
-  ValidateCamera(camera, "the camera to draw");
-  if (camera.HasDistortion()) {
-    throw Error(
-        "OpenGL draws pinhole pictures and this camera's lens distorts; use lfm-render "
-        "--renderer cpu");
-  }
-  const double depth = (camera_from_world * state_->center).z();
-  const double far = std::max(depth + 1.01 * state_->radius, 1e-3 * state_->radius);
-  const double near = std::max(depth - 1.01 * state_->radius, 1e-3 * far);
-  const Eigen::Matrix4f clip_from_model =
-      (ClipFromCamera(camera, near, far) * CameraFromModel(camera_from_world, state_->center))
-          .cast<float>();
-  const Eigen::Vector3f eye = (camera_from_world.Center() - state_->center).cast<float>();
-
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_FRAMEBUFFER_SRGB);
-  glDisable(GL_DITHER);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
-  glClearColor(options.background[0], options.background[1], options.background[2],
-               options.background_alpha);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-
-  const GLuint program = ProgramFor(options);
+void GlRenderer::Bind(uint32_t program, const GlView& view, const Placement& placement,
+                      int terms) const {
+  const Eigen::Vector3d& origin = state_->bounds.center;
+  const Eigen::Matrix4f clip_from_model = ClipFromModel(view, placement, origin);
+  const Eigen::Vector3f eye = EyeInModel(view, placement, origin);
   glUseProgram(program);
   SetSampler(program, "mean_maps", 0, GL_TEXTURE_2D_ARRAY, state_->maps.mean);
   SetSampler(program, "surface_maps", 1, GL_TEXTURE_2D_ARRAY, state_->maps.surface);
@@ -230,7 +210,7 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   glUniformMatrix4fv(glGetUniformLocation(program, "clip_from_model"), 1, GL_FALSE,
                      clip_from_model.data());
   glUniform3fv(glGetUniformLocation(program, "eye"), 1, eye.data());
-  SetInteger(program, "terms", std::clamp(options.evaluation.terms, 0, state_->terms));
+  SetInteger(program, "terms", terms);
   SetInteger(program, "vertex_count", state_->vertex_count);
   SetInteger(program, "grid", state_->grid);
   SetIntegers(program, "surface_first", state_->maps.surface_first);
@@ -238,10 +218,70 @@ void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
   SetInteger(program, "view_tiles_per_row", state_->view_tiles_per_row);
   SetInteger(program, "view_tiles_per_page", state_->view_tiles_per_page);
   glBindVertexArray(state_->vertex_array.name());
-  glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
+}
+
+void GlRenderer::Draw(const Camera& camera, const Pose& camera_from_world,
+                      const GlRenderOptions& options) const {
+  const GlView view = ViewOf(state_->bounds, camera, camera_from_world);
+  ClearPicture(options.background, options.background_alpha);
+  DrawInto(view, {}, options);
+}
+
+void GlRenderer::DrawInto(const GlView& view, const Placement& placement,
+                          const GlRenderOptions& options) const {
+  ResetGlState();
+  if (options.passes != Passes::kOne) {
+    DrawPaperPasses(view, placement, options);
+  } else {
+    const uint32_t program = ProgramFor(options, kWholePicture);
+    const int terms = std::clamp(options.evaluation.EndOfTerms(), 0, state_->terms);
+    Bind(program, view, placement, terms);
+    if (!options.tone.IsIdentity()) {
+      glUniform1f(glGetUniformLocation(program, "exposure"),
+                  static_cast<float>(std::exp2(options.tone.exposure_stops)));
+    }
+    glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
+  }
   glBindVertexArray(0);
   glUseProgram(0);
   CheckGl("draw the model");
+}
+
+int GlRenderer::PassCount(const GlRenderOptions& options) const {
+  if (options.passes == Passes::kOne) return 1;
+  const int terms = std::clamp(options.evaluation.terms, 0, state_->terms);
+  return 1 + 3 * terms * static_cast<int>(state_->PaperProducts(options.passes).size());
+}
+
+void GlRenderer::DrawPaperPasses(const GlView& view, const Placement& placement,
+                                 const GlRenderOptions& options) const {
+  const int terms = std::clamp(options.evaluation.terms, 0, state_->terms);
+  Bind(ProgramFor(options, kMeanPass), view, placement, terms);
+  glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
+
+  const uint32_t program =
+      ProgramFor(options, options.passes == Passes::kPaper ? kProductPass : kPartsPass);
+  Bind(program, view, placement, terms);
+  const GLint term_at = glGetUniformLocation(program, "pass_term");
+  const GLint corner_at = glGetUniformLocation(program, "pass_corner");
+  const GLint signs_at = glGetUniformLocation(program, "pass_signs");
+  glDepthFunc(GL_EQUAL);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);  // alpha stays
+  for (int k = 0; k < terms; ++k) {
+    for (const PaperProduct& product : state_->PaperProducts(options.passes)) {
+      glBlendEquationSeparate(product.added ? GL_FUNC_ADD : GL_FUNC_REVERSE_SUBTRACT, GL_FUNC_ADD);
+      glUniform2f(signs_at, product.surface_sign, product.view_sign);
+      for (int corner = 0; corner < 3; ++corner) {
+        glUniform1i(term_at, k);
+        glUniform1i(corner_at, corner);
+        glDrawArrays(GL_TRIANGLES, 0, state_->corner_count);
+      }
+    }
+  }
+  glBlendEquation(GL_FUNC_ADD);
+  ResetGlState();
 }
 
 }  // namespace lfm

@@ -9,6 +9,9 @@
 #include "encode/model.h"
 #include "encode/model_evaluation.h"
 #include "viewer/gl_light_field_maps.h"
+#include "viewer/gl_view.h"
+#include "viewer/scene.h"
+#include "viewer/tone.h"
 
 namespace lfm {
 
@@ -33,11 +36,26 @@ inline void DeclareViewCoordinates(OptionVisitor& v, ViewCoordinates& value) {
       {"pixel", "vertex", "corner-maps"}, value);
 }
 
+/// In how many passes a picture is drawn.
+enum class Passes {
+  kOne,  ///< all terms at once
+  /// The paper's algorithm (Chen 2002, Section 3.1), for comparison: the mean view, then the
+  /// product of one surface map and one view map a pass, added to an 8-bit picture that clamps
+  /// after each: three passes a term where maps are nonnegative. Where they are signed, six: the
+  /// positive parts of the products are added, the negative ones subtracted.
+  kPaper,
+  /// The same where textures hold no negative values: twelve passes a term of signed maps, for the
+  /// four products of their parts of one sign.
+  kPaperUnsigned,
+};
+
 enum class EdgeOverlay { kNone, kWireframe };
 
 struct GlRenderOptions {
   EvaluationOptions evaluation;
   ViewCoordinates view_coordinates = ViewCoordinates::kPerPixel;
+  Passes passes = Passes::kOne;  ///< more than one: exact a pixel, without tone, edges, term alone
+  Tone tone;
   EdgeOverlay edges = EdgeOverlay::kNone;
   Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded
   float background_alpha = 1;              ///< of a framebuffer that has alpha; the model has 1
@@ -51,22 +69,34 @@ class GlRenderer {
  public:
   /// Uploads the model; it is not needed afterwards. Throws Error as UploadMaps does, and (kSystem)
   /// when the context is older than 3.3.
-  explicit GlRenderer(const LightFieldModel& model, BlockUse block_use = {});
+  explicit GlRenderer(const LightFieldModel& model, BlockUse block_use = BlockUse::kAsTheyAre);
   ~GlRenderer();
   GlRenderer(GlRenderer&&) noexcept;
+  GlRenderer& operator=(GlRenderer&&) noexcept;
 
   /// At most, and no more than fit beside the rest into what the driver's shaders hand over: four
   /// in any OpenGL 3.3.
   static constexpr int kMostCornerTerms = 8;
 
-  /// Clears the bound framebuffer, whose viewport is camera.width x camera.height, and draws.
-  /// Throws Error when the camera has lens distortion: a rasteriser draws pinhole pictures only.
+  /// Clears the bound framebuffer, whose viewport is camera.width x camera.height, and draws the
+  /// model where it is. Throws Error when the camera has lens distortion: a rasteriser draws
+  /// pinhole pictures only.
   void Draw(const Camera& camera, const Pose& camera_from_world,
             const GlRenderOptions& options) const;
+  /// Draws the model, placed, to what is there already.
+  void DrawInto(const GlView& view, const Placement& placement,
+                const GlRenderOptions& options) const;
+  /// How often a draw goes over the mesh.
+  int PassCount(const GlRenderOptions& options) const;
+  /// A sphere round the mesh, in its own frame.
+  const Sphere& bounds() const;
 
  private:
   struct State;
-  uint32_t ProgramFor(const GlRenderOptions& options) const;
+  uint32_t ProgramFor(const GlRenderOptions& options, int pass_kind) const;
+  void Bind(uint32_t program, const GlView& view, const Placement& placement, int terms) const;
+  void DrawPaperPasses(const GlView& view, const Placement& placement,
+                       const GlRenderOptions& options) const;
   std::unique_ptr<State> state_;
 };
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,12 +15,13 @@
 #include "core/image.h"
 #include "core/progress.h"
 #include "encode/glb.h"
-#include "encode/transport_form.h"
 #include "viewer/camera_file.h"
 #include "viewer/camera_path.h"
 #include "viewer/gl_pictures.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/reference_renderer.h"
+#include "viewer/scene.h"
+#include "viewer/scene_reading.h"
 #include "viewer/view_options.h"
 #include "viewer/web_page.h"
 
@@ -156,15 +158,15 @@ void RequirePinholes(const std::vector<Shot>& shots) {
 using RenderFunction = std::function<lfm::Rendering(const lfm::PosedCamera&, lfm::Progress&)>;
 
 /// Either renderer, behind one call.
-RenderFunction MakeRenderer(const lfm::LightFieldModel& model, const RenderCommandOptions& command,
+RenderFunction MakeRenderer(const lfm::Scene& scene, const RenderCommandOptions& command,
                             const lfm::RenderOptions& options) {
   if (command.renderer == Renderer::kGl) {
-    const auto gl = std::make_shared<lfm::GlPictures>(model, command.view_coordinates);
+    const auto gl = std::make_shared<lfm::GlPictures>(scene, command.view_coordinates);
     return [gl, options](const lfm::PosedCamera& posed, lfm::Progress& rows) {
       return gl->Render(posed.camera, posed.camera_from_world, options, rows);
     };
   }
-  const auto cpu = std::make_shared<lfm::ReferenceRenderer>(model);
+  const auto cpu = std::make_shared<lfm::ReferenceRenderer>(scene);
   return [cpu, options](const lfm::PosedCamera& posed, lfm::Progress& rows) {
     return cpu->Render(posed.camera, posed.camera_from_world, options, rows);
   };
@@ -186,22 +188,38 @@ class RowsOfAFrame : public lfm::Progress {
   void Note(std::string_view) override {}
 };
 
-/// The model as it is where it is a .glb, else written as one. What is no model is an Error.
-void WriteForBrowsers(const std::string& model_file, const std::filesystem::path& out,
-                      lfm::Progress& progress) {
-  progress.Start("write the pages", 1);
-  const lfm::DecodedModel decoded = lfm::ReadModel(model_file);
-  if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
-  const std::filesystem::path path = model_file;
+/// A folder that holds a model, but no pages, is somebody's: unless it is the model to be written.
+void RequireNoForeignModel(const std::vector<lfm::SceneEntry>& entries,
+                           const std::filesystem::path& out) {
+  const std::filesystem::path there = out / "model.glb";
   std::error_code absent;
-  if (std::filesystem::exists(out / "model.glb") && !std::filesystem::exists(out / "app.js") &&
-      !std::filesystem::equivalent(path, out / "model.glb", absent)) {
-    throw lfm::Error((out / "model.glb").string() +
+  if (std::filesystem::exists(there) && !std::filesystem::exists(out / "app.js") &&
+      !(entries.size() == 1 && std::filesystem::equivalent(entries.front().file, there, absent))) {
+    throw lfm::Error(there.string() +
                      " is another model, which --web would replace; name another folder");
   }
-  const std::string glb =
-      path.extension() == ".glb" ? lfm::ReadFile(path) : lfm::GlbBytes(decoded.model);
-  lfm::WriteWebFolder(glb, path.stem().string(), out);
+}
+
+/// A model's file as it is where it is a .glb, else written as one.
+std::string GlbOf(const lfm::SceneEntry& entry, const lfm::LightFieldModel& model) {
+  return entry.file.extension() == ".glb" ? lfm::ReadFile(entry.file) : lfm::GlbBytes(model);
+}
+
+/// What is no model is an Error.
+void WriteForBrowsers(const std::filesystem::path& model_or_scene, const std::filesystem::path& out,
+                      lfm::Progress& progress) {
+  progress.Start("write the pages", 1);
+  const std::vector<lfm::SceneEntry> entries = lfm::SceneEntriesOf(model_or_scene);
+  const lfm::Scene scene = lfm::ReadScene(entries, progress);
+  RequireNoForeignModel(entries, out);
+  std::map<std::filesystem::path, std::string> files;
+  std::vector<lfm::WebModel> models;
+  for (size_t i = 0; i < entries.size(); ++i) {
+    std::string& glb = files[entries[i].file];
+    if (glb.empty()) glb = GlbOf(entries[i], *scene[i].model);
+    models.push_back({glb, entries[i].placement});
+  }
+  lfm::WriteWebFolder(models, model_or_scene.stem().string(), out);
   progress.Advance();
 }
 
@@ -216,7 +234,9 @@ int main(int argc, char** argv) {
       "Renders a model without a display: one picture, a turntable, a film, or "
       "the views of given cameras; or writes it for browsers (--web).",
       "lfm-render demo/work/encode/model.glb bust.png --azimuth 30");
-  command.Positional("MODEL", "The model, a .glb, .lfz or .wrl file.", model_file);
+  command.Positional(
+      "MODEL", "The model, a .glb, .lfz or .wrl file; or a scene, a .json file (docs/formats.md).",
+      model_file);
   command.Positional(
       "OUT",
       "The picture to write (.png, .exr, .jpg); a folder with --turntable, --path, --web, and "
@@ -229,7 +249,7 @@ int main(int argc, char** argv) {
     if (options.web) {
       for (const char* name :
            {"azimuth", "elevation", "distance", "fov", "size", "background", "terms", "mean-only",
-            "renderer", "view-coordinates", "supersample"}) {
+            "term-alone", "exposure", "tone", "renderer", "view-coordinates", "supersample"}) {
         if (command.Given(name)) {
           throw lfm::Error(
               std::string("--") + name +
@@ -240,14 +260,14 @@ int main(int argc, char** argv) {
     }
     lfm::RenderOptions render;
     render.evaluation = lfm::MakeEvaluationOptions(view);
+    render.tone = lfm::MakeTone(view);
     render.samples_per_side = options.supersample;
     render.background = lfm::ParseColor(view.background);
     render.linear_light = std::filesystem::path(out).extension() == ".exr";
-    lfm::DecodedModel decoded = lfm::ReadModel(model_file);
-    if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
-    const std::vector<Shot> shots = PlanShots(decoded.model.mesh, view, options, out);
+    const lfm::Scene scene = lfm::ReadScene(lfm::SceneEntriesOf(model_file), progress);
+    const std::vector<Shot> shots = PlanShots(lfm::SceneMesh(scene), view, options, out);
     if (options.renderer == Renderer::kGl) RequirePinholes(shots);
-    const RenderFunction renderer = MakeRenderer(decoded.model, options, render);
+    const RenderFunction renderer = MakeRenderer(scene, options, render);
     const auto render_one = [&](const Shot& shot, lfm::Progress& rows) {
       const lfm::Rendering rendering = renderer(shot.camera, rows);
       lfm::WriteImage(PictureOf(rendering, shot.file, options.alpha), shot.file);

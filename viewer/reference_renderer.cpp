@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -27,7 +29,22 @@ struct View {
   Eigen::Vector3d eye;
 };
 
-PixelSum ShadePixel(const LightFieldModel& model, const RayScene& rays, const View& view,
+// A model as rays meet it.
+struct RayModel {
+  std::shared_ptr<const LightFieldModel> model;
+  Eigen::Matrix3d model_from_world;  ///< directions
+  int first_triangle = 0;            ///< of all models' triangles
+};
+
+// The model that triangle `t` of all belongs to.
+const RayModel& ModelOf(const std::vector<RayModel>& models, int t) {
+  const auto behind = std::upper_bound(
+      models.begin() + 1, models.end(), t,
+      [](int triangle, const RayModel& model) { return triangle < model.first_triangle; });
+  return *(behind - 1);
+}
+
+PixelSum ShadePixel(const std::vector<RayModel>& models, const RayScene& rays, const View& view,
                     const RenderOptions& options, int x, int y) {
   const int n = options.samples_per_side;
   PixelSum sum;
@@ -40,7 +57,11 @@ PixelSum ShadePixel(const LightFieldModel& model, const RayScene& rays, const Vi
       const std::optional<RayHit> hit = rays.Intersect(view.eye, direction);
       if (!hit) continue;
       const Eigen::Vector3d weights(1 - hit->u - hit->v, hit->u, hit->v);
-      sum.Add(EvaluateModel(model, hit->triangle, weights, -direction, options.evaluation));
+      const RayModel& seen = ModelOf(models, hit->triangle);
+      const Eigen::Vector3f color =
+          EvaluateUnclamped(*seen.model, hit->triangle - seen.first_triangle, weights,
+                            -(seen.model_from_world * direction), options.evaluation);
+      sum.Add(ApplyTone(options.tone, color));
     }
   }
   return sum;
@@ -49,19 +70,31 @@ PixelSum ShadePixel(const LightFieldModel& model, const RayScene& rays, const Vi
 }  // namespace
 
 struct ReferenceRenderer::State {
-  explicit State(LightFieldModel m) : model(std::move(m)), rays(model.mesh) {}
-  LightFieldModel model;
+  explicit State(const Scene& scene) : rays(SceneMesh(scene)) {
+    int triangles = 0;
+    for (const PlacedModel& placed : scene) {
+      models.push_back(
+          {placed.model, placed.placement.world_from_model.rotation.transpose(), triangles});
+      triangles += static_cast<int>(placed.model->mesh.triangles.size());
+    }
+  }
+  std::vector<RayModel> models;
   RayScene rays;
 };
 
-ReferenceRenderer::ReferenceRenderer(LightFieldModel model) {
-  ValidateModel(model, "the model");
-  state_ = std::make_unique<State>(std::move(model));
+ReferenceRenderer::ReferenceRenderer(LightFieldModel model)
+    : ReferenceRenderer(
+          Scene{{"the model", std::make_shared<const LightFieldModel>(std::move(model)), {}}}) {}
+
+ReferenceRenderer::ReferenceRenderer(Scene scene) {
+  if (scene.empty()) throw Error("there is nothing to render: the scene has no model");
+  for (const PlacedModel& placed : scene) ValidateModel(*placed.model, placed.name);
+  state_ = std::make_unique<State>(scene);
 }
 ReferenceRenderer::~ReferenceRenderer() = default;
 ReferenceRenderer::ReferenceRenderer(ReferenceRenderer&&) noexcept = default;
 
-const LightFieldModel& ReferenceRenderer::model() const { return state_->model; }
+const LightFieldModel& ReferenceRenderer::model() const { return *state_->models.front().model; }
 
 Rendering ReferenceRenderer::Render(const Camera& camera, const Pose& camera_from_world,
                                     const RenderOptions& options, Progress& progress) const {
@@ -75,7 +108,7 @@ Rendering ReferenceRenderer::Render(const Camera& camera, const Pose& camera_fro
   ParallelFor(0, height, [&](int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < width; ++x) {
-      StorePixel(ShadePixel(state_->model, state_->rays, view, options, x, y), options, x, y,
+      StorePixel(ShadePixel(state_->models, state_->rays, view, options, x, y), options, x, y,
                  rendering);
     }
     progress.Advance();

@@ -9,6 +9,8 @@
 #include "core/progress.h"
 #include "encode/model.h"
 #include "encode/model_evaluation.h"
+#include "viewer/scene.h"
+#include "viewer/tone.h"
 
 namespace lfm {
 
@@ -16,6 +18,7 @@ class RayScene;
 
 struct RenderOptions {
   EvaluationOptions evaluation;
+  Tone tone;                               ///< before samples are averaged
   int samples_per_side = 1;                ///< supersampling: this many squared rays a pixel, 1-16
   Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded, [0, 1]
   bool linear_light = false;               ///< the pictures in linear light too
@@ -44,9 +47,12 @@ class ReferenceRenderer {
  public:
   /// Throws Error when the model's mesh has no triangle or its tables do not fit each other.
   explicit ReferenceRenderer(LightFieldModel model);
+  /// Several models, each where it stands; the nearest is seen. Throws Error as above, and without
+  /// any model.
+  explicit ReferenceRenderer(Scene scene);
   ~ReferenceRenderer();
   ReferenceRenderer(ReferenceRenderer&&) noexcept;
-  const LightFieldModel& model() const;
+  const LightFieldModel& model() const;  ///< the first
   /// Parallel over rows; the bytes do not depend on the number of threads. A ray at which
   /// the lens model folds back sees nothing. Throws Error when the camera or the options are out of
   /// range.

@@ -46,9 +46,12 @@ Eigen::Vector3f ParseColor(const std::string& text) {
   throw Error("--background: '" + text + "' is no colour; write rrggbb in hexadecimal, as 181a1f");
 }
 
+Tone MakeTone(const ViewOptions& options) { return {options.exposure, options.tone}; }
+
 EvaluationOptions MakeEvaluationOptions(const ViewOptions& options) {
   EvaluationOptions evaluation;
   evaluation.terms = options.mean_only ? 0 : options.terms;
+  if (!options.mean_only) evaluation.term_alone = options.term_alone - 1;
   return evaluation;
 }
 

@@ -7,6 +7,7 @@
 #include "core/options.h"
 #include "encode/model_evaluation.h"
 #include "viewer/orbit_camera.h"
+#include "viewer/tone.h"
 
 namespace lfm {
 
@@ -20,6 +21,9 @@ struct ViewOptions {
   std::string background = "181a1f";
   int terms = 16;
   bool mean_only = false;
+  int term_alone = 0;
+  double exposure = 0;
+  ToneCurve tone = ToneCurve::kClip;
   void Declare(OptionVisitor& v) {
     v.Number({"azimuth", "Where the eye stands, from the x axis towards y.", "deg", -3600, 3600},
              azimuth);
@@ -35,6 +39,17 @@ struct ViewOptions {
               terms);
     v.Flag({"mean-only", "Show the mean view alone, as a plain textured mesh would look."},
            mean_only);
+    v.Integer({"term-alone",
+               "Show this term by itself, over gray (over black where terms hold the mean view); 0 "
+               "shows none so.",
+               "", 0, 1024},
+              term_alone);
+    v.Number({"exposure", "Brighter by this many stops (doublings of light).", "stops", -10, 10},
+             exposure);
+    v.Enumeration({"tone",
+                   "Light beyond white: cut off (clip), or everything above four fifths rolled off "
+                   "towards it (soft)."},
+                  {"clip", "soft"}, tone);
   }
 };
 
@@ -46,6 +61,7 @@ PictureSize ParsePictureSize(const std::string& text);
 /// "rrggbb" or "#rrggbb" as sRGB-coded [0, 1]. Throws Error for anything else.
 Eigen::Vector3f ParseColor(const std::string& text);
 
+Tone MakeTone(const ViewOptions& options);
 EvaluationOptions MakeEvaluationOptions(const ViewOptions& options);
 /// The camera that looks at `mesh` as the options say; `distance` is honoured as given.
 OrbitCamera MakeOrbitCamera(const TriangleMesh& mesh, const ViewOptions& options);

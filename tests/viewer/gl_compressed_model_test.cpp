@@ -21,7 +21,7 @@ constexpr int kWidth = 200, kHeight = 160;
 
 class GlCompressedModel : public testing::Test {
  protected:
-  void ExpectSamePictures(const LightFieldModel& model, BlockUse block_use = {}) {
+  void ExpectSamePictures(const LightFieldModel& model, BlockUse block_use = BlockUse::kAsTheyAre) {
     const GlRenderer gl(model, block_use);
     const ReferenceRenderer reference(model);
     OrbitCamera orbit = FrameMesh(model.mesh, 0.5, static_cast<double>(kWidth) / kHeight);

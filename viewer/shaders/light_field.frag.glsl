@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // colour = mean + sum over terms k and corners j of surface map [k, j] times view map [k, j]
 // (Chen 2002, Equations 3 and 6), on sRGB-coded values, in float, clamped once at the end.
+//
+// LFM_TERM k       term k alone, over gray or black
+// LFM_TONE 0, 1    viewer/tone.h: clipped, soft
+// LFM_PASS 0 to 2  a pass of the paper's algorithm: the mean view; the product of a surface and a
+//                  view map, its part of one sign; the product of their parts of one sign each
 
 #ifdef LFM_CORNER_TERMS
 centroid in vec3 corner_views[3 * LFM_CORNER_TERMS];
@@ -35,6 +40,13 @@ uniform int vertex_count;
 uniform int grid;
 uniform int surface_first[16];  // layer of each term's first page
 uniform int view_first[16];
+#ifdef LFM_TONE
+uniform float exposure;  // a factor of linear light
+#endif
+#ifdef LFM_PASS
+uniform int pass_term, pass_corner;
+uniform vec2 pass_signs;  // which parts: of the surface map, of the view map
+#endif
 
 out vec4 color;
 
@@ -92,6 +104,42 @@ vec3 ReadPatch(sampler2DArray maps, Patch place, vec2 weights, int layer, int pl
   return sum;
 }
 
+float SurfaceFactor(int k, int j, float code) {
+  vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
+  return range.x * code + range.y;
+}
+
+#ifndef LFM_CORNER_TERMS
+vec3 ViewFactor(int k, int j, vec2 square) {
+  vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
+  ivec4 tile = ivec4(view_tile[j], grid);
+  if (codebooks != 0) tile = ivec4(Entry(tiles, k * vertex_count + patch_corners[j]) + 0.5);
+  vec3 view = ReadTexel(view_maps, vec2(tile.xy) + square * float(tile.w - 1),
+                        view_first[k] + tile.z);
+  return range.z * view + range.w;
+}
+#endif
+
+vec3 SurfaceCodes(int k, Patch mean_place, vec2 weights) {
+  Patch place = mean_place;
+  if (codebooks != 0) place = PatchOfTriangle(k + 1);
+  return ReadPatch(surface_maps, place, weights, surface_first[k] + place.page, surface_planes);
+}
+
+#ifdef LFM_TONE
+vec3 ShowTone(vec3 coded) {
+  coded = max(coded, 0.0);
+  vec3 linear = exposure * mix(pow((coded + 0.055) / 1.055, vec3(2.4)), coded / 12.92,
+                               vec3(lessThanEqual(coded, vec3(0.04045))));
+#if LFM_TONE == 1
+  vec3 rolled_off = 0.8 + 0.2 * (1.0 - exp((0.8 - linear) / 0.2));
+  linear = mix(linear, rolled_off, vec3(greaterThan(linear, vec3(0.8))));
+#endif
+  return mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
+             vec3(lessThanEqual(linear, vec3(0.0031308))));
+}
+#endif
+
 // 1 on the triangle's edges, falling to 0 within a pixel and a quarter.
 float EdgeShare() {
   vec3 pixels = corner_weights / max(fwidth(corner_weights), vec3(1e-9));
@@ -119,31 +167,45 @@ void main() {
   vec2 weights = clamp(corner_weights.yz, 0.0, 1.0);
   weights.y = min(weights.y, 1.0 - weights.x);
   Patch place = PatchOfTriangle(0);
+#if defined(LFM_PASS) && LFM_PASS != 0
+  if (pass_term >= corner_terms[pass_corner]) discard;
+  float g = SurfaceFactor(pass_term, pass_corner,
+                          SurfaceCodes(pass_term, place, weights)[pass_corner]);
+  vec3 h = ViewFactor(pass_term, pass_corner, view_square[pass_corner]);
+#if LFM_PASS == 1
+  vec3 sum = pass_signs.x * g * h;
+#else
+  vec3 sum = max(pass_signs.x * g, 0.0) * max(pass_signs.y * h, 0.0);
+#endif
+#else
+#ifdef LFM_TERM
+  vec3 sum = vec3(mean_in_terms != 0 ? 0.0 : 0.5);
+#else
   vec3 sum = mean_share * ReadPatch(mean_maps, place, weights, place.page, 1);
+#endif
+#ifndef LFM_PASS
   int shown = min(terms, max(corner_terms[0], max(corner_terms[1], corner_terms[2])));
-#ifdef LFM_CORNER_TERMS
+#if defined(LFM_TERM)
+  for (int k = LFM_TERM; k < min(shown, LFM_TERM + 1); ++k) {
+#elif defined(LFM_CORNER_TERMS)
   for (int k = 0; k < LFM_CORNER_TERMS; ++k) {  // unrolled: corner_views is not indexed then
 #else
   for (int k = 0; k < shown; ++k) {
 #endif
-    if (codebooks != 0) place = PatchOfTriangle(k + 1);
-    vec3 surface =
-        ReadPatch(surface_maps, place, weights, surface_first[k] + place.page, surface_planes);
+    vec3 surface = SurfaceCodes(k, place, weights);
     for (int j = 0; j < 3; ++j) {
-      vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
 #ifdef LFM_CORNER_TERMS
-      sum += (range.x * surface[j] + range.y) * corner_views[3 * k + j];
+      sum += SurfaceFactor(k, j, surface[j]) * corner_views[3 * k + j];
 #else
-      ivec4 tile = ivec4(view_tile[j], grid);
-      if (codebooks != 0) {
-        tile = ivec4(Entry(tiles, k * vertex_count + patch_corners[j]) + 0.5);
-      }
-      vec3 view = ReadTexel(view_maps, vec2(tile.xy) + view_square[j] * float(tile.w - 1),
-                            view_first[k] + tile.z);
-      sum += (range.x * surface[j] + range.y) * (range.z * view + range.w);
+      sum += SurfaceFactor(k, j, surface[j]) * ViewFactor(k, j, view_square[j]);
 #endif
     }
   }
+#endif
+#endif
+#ifdef LFM_TONE
+  sum = ShowTone(sum);
+#endif
   if (wireframe != 0) sum = mix(sum, vec3(0.15, 0.75, 1.0), 0.7 * EdgeShare());
   color = vec4(clamp(sum, 0.0, 1.0), 1.0);
 }

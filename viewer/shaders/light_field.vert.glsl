@@ -8,6 +8,8 @@ in vec3 position;  // mm, relative to the mesh's centre
 in ivec3 corners;  // the triangle's vertices
 in int triangle;
 
+invariant gl_Position;  // the passes of one picture meet the same depths
+
 uniform mat4 clip_from_model;
 uniform vec3 eye;
 uniform sampler2D frames;
