@@ -96,6 +96,19 @@ CameraPath ReadCameraPath(const std::filesystem::path& file, const OrbitCamera& 
   return path;
 }
 
+void WriteCameraPath(const CameraPath& path, const std::filesystem::path& file) {
+  nlohmann::json keys = nlohmann::json::array();
+  for (const CameraPath::Key& key : path.keys) {
+    const Eigen::Vector3d& target = key.camera.target;
+    keys.push_back({{"time", key.time},
+                    {"azimuth", key.camera.azimuth / kDegree},
+                    {"elevation", key.camera.elevation / kDegree},
+                    {"distance", key.camera.distance},
+                    {"target", {target.x(), target.y(), target.z()}}});
+  }
+  WriteJson({{"frames_per_second", path.frames_per_second}, {"keys", keys}}, file);
+}
+
 std::vector<OrbitCamera> FramesOf(const CameraPath& path) {
   const auto& keys = path.keys;
   const double begin = keys.front().time, end = keys.back().time;

@@ -26,6 +26,9 @@ struct CameraPath {
 /// rise, and more than 100 000 frames.
 CameraPath ReadCameraPath(const std::filesystem::path& file, const OrbitCamera& start);
 
+/// The inverse of ReadCameraPath; atomic. Throws Error when it cannot be written.
+void WriteCameraPath(const CameraPath& path, const std::filesystem::path& file);
+
 /// A camera a frame, from the first key to the last: azimuth, elevation, target and the logarithm
 /// of the distance run along cubic curves through the keys that never run beyond them, and rest at
 /// both ends.

@@ -2,7 +2,6 @@
 #include <string>
 
 #include "core/command_line.h"
-#include "encode/transport_form.h"
 #include "viewer/view_options.h"
 #include "viewer/viewer_app.h"
 
@@ -11,15 +10,16 @@ int main(int argc, char** argv) {
   lfm::ViewOptions view;
   lfm::ViewerOptions options;
   lfm::CommandLine command("lfm-viewer",
-                           "Shows a model in a window: walk round it, change the number of terms, "
-                           "save pictures.",
+                           "Shows a model, or a scene of several, in a window: walk round it, see "
+                           "what it is made of, hold it against its photographs, measure, film.",
                            "lfm-viewer demo/work/encode/model.glb --elevation 30");
-  command.Positional("MODEL", "The model, a .glb, .lfz or .wrl file.", model_file);
+  command.Positional("MODEL",
+                     "The model, a .glb, .lfz or .wrl file; or a scene, a .json file "
+                     "(docs/formats.md).",
+                     model_file);
   command.Options(lfm::AnyOptions(view), "View");
   command.Options(lfm::AnyOptions(options), "Window");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
-    const lfm::DecodedModel decoded = lfm::ReadModel(model_file);
-    if (decoded.parts_missing > 0) progress.Note(lfm::CutOffNote(model_file, decoded));
-    lfm::RunViewer(decoded.model, view, options);
+    lfm::RunViewer(model_file, view, options, progress);
   });
 }

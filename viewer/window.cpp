@@ -4,6 +4,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "core/error.h"
 
 namespace lfm {
@@ -39,6 +42,11 @@ Window::Window(const std::string& title, PictureSize size, WindowVisibility visi
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(visibility == WindowVisibility::kShown ? 1 : 0);
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** files) {
+    auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+    self->dropped_.insert(self->dropped_.end(), files, files + count);
+  });
 }
 
 Window::~Window() {
@@ -48,8 +56,27 @@ Window::~Window() {
 
 PictureSize Window::FramebufferSize() const {
   PictureSize size;
+  if (minimised_by_size_) return size;
   glfwGetFramebufferSize(window_, &size.width, &size.height);
   return size;
+}
+
+float Window::ContentScale() const {
+  float scale = 1, other = 1;
+  glfwGetWindowContentScale(window_, &scale, &other);
+  PictureSize pixels, units;
+  glfwGetFramebufferSize(window_, &pixels.width, &pixels.height);
+  glfwGetWindowSize(window_, &units.width, &units.height);
+  if (units.width > 0 && pixels.width > 0) {
+    scale *= static_cast<float>(units.width) / static_cast<float>(pixels.width);
+  }
+  return std::clamp(scale, 1.0f, 4.0f);
+}
+
+void Window::Resize(PictureSize size) {
+  // Window systems have no windows without any pixel, only hidden ones.
+  minimised_by_size_ = size.width < 1 || size.height < 1;
+  if (!minimised_by_size_) glfwSetWindowSize(window_, size.width, size.height);
 }
 
 bool Window::ShouldClose() const { return glfwWindowShouldClose(window_) != 0; }
@@ -58,5 +85,9 @@ void Window::SwapAndPoll() {
   glfwSwapBuffers(window_);
   glfwPollEvents();
 }
+
+void Window::WaitForEvents(double seconds) { glfwWaitEventsTimeout(seconds); }
+
+std::vector<std::filesystem::path> Window::TakeDropped() { return std::exchange(dropped_, {}); }
 
 }  // namespace lfm

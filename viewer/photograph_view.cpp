@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/photograph_view.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "viewer/gl_framebuffer.h"
+
+namespace lfm {
+namespace {
+
+constexpr int kMaxPictureSide = 1600;
+constexpr int kSamples = 4;
+constexpr int kDifferenceGain = 8;  // as in the report
+constexpr double kGapPixels = 6;
+constexpr int kPictures = 3;
+
+bool ShowsTheSame(const GlRenderOptions& a, const GlRenderOptions& b) {
+  return a.evaluation.terms == b.evaluation.terms &&
+         a.evaluation.term_alone == b.evaluation.term_alone &&
+         a.view_coordinates == b.view_coordinates && a.passes == b.passes &&
+         a.tone.exposure_stops == b.tone.exposure_stops && a.tone.curve == b.tone.curve &&
+         a.edges == b.edges;
+}
+
+struct Layers {
+  Image color, coverage;  // 8-bit RGB; 255 where the model covers the pixel wholly
+};
+
+Layers Split(const Image& rgba) {
+  Layers layers{Image(rgba.width(), rgba.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb),
+                Image(rgba.width(), rgba.height(), 1, PixelType::kUint8, ColorEncoding::kLinear)};
+  const uint8_t* from = rgba.Data<uint8_t>();
+  uint8_t* color = layers.color.Data<uint8_t>();
+  uint8_t* coverage = layers.coverage.Data<uint8_t>();
+  for (size_t i = 0; i < layers.coverage.size(); ++i, from += 4, color += 3) {
+    std::copy_n(from, 3, color);
+    coverage[i] = from[3];
+  }
+  return layers;
+}
+
+Layers RenderFor(const GlScene& scene, const Camera& camera, const Pose& camera_from_world,
+                 GlRenderOptions options) {
+  options.background_alpha = 0;
+  const GlFramebuffer drawn(camera.width, camera.height, kSamples);
+  const GlFramebuffer smooth(camera.width, camera.height, 1);
+  drawn.Bind();
+  scene.Draw(camera, camera_from_world, options);
+  drawn.ResolveInto(smooth);
+  return Split(smooth.Read(4));
+}
+
+// Three pictures in the cells of a grid, row by row, from cell `first` on.
+struct Arrangement {
+  int columns, rows, first;
+};
+
+PixelRectangle CellOf(const Arrangement& grid, int cell, int width, int height) {
+  const double w = static_cast<double>(width) / grid.columns;
+  const double h = static_cast<double>(height) / grid.rows;
+  const int column = cell % grid.columns, row = cell / grid.columns;
+  return {column * w + kGapPixels / 2, row * h + kGapPixels / 2, std::max(w - kGapPixels, 1.0),
+          std::max(h - kGapPixels, 1.0)};
+}
+
+// With four cells the first stays free: the panel covers it.
+Arrangement LargestArrangement(int width, int height, int picture_width, int picture_height) {
+  Arrangement best{kPictures, 1, 0};
+  double largest = 0;
+  for (const Arrangement& grid :
+       {Arrangement{kPictures, 1, 0}, Arrangement{2, 2, 1}, Arrangement{1, kPictures, 0}}) {
+    const double shown =
+        FitInto(CellOf(grid, 0, width, height), picture_width, picture_height).width;
+    if (shown > largest) {
+      best = grid;
+      largest = shown;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+PhotographView::PhotographView(const std::filesystem::path& work,
+                               const std::filesystem::path& capture)
+    : capture_(capture) {
+  if (!capture.empty()) {
+    photographs_ = FindPhotographs(work, capture);
+    return;
+  }
+  for (const auto& [id, camera] : PhotoCameras(work)) photographs_.push_back({id, {}, camera});
+}
+
+const PosedPhotograph* PhotographView::Find(const std::string& id) const {
+  const auto found = std::find_if(photographs_.begin(), photographs_.end(),
+                                  [&](const PosedPhotograph& one) { return one.id == id; });
+  return found == photographs_.end() ? nullptr : &*found;
+}
+
+void PhotographView::Read(const PosedPhotograph& photograph) {
+  if (read_ == photograph.id) return;
+  picture_ = ReadPinholePicture(photograph, capture_, kMaxPictureSide);
+  read_ = photograph.id;
+}
+
+void PhotographView::Compare(const PosedPhotograph& photograph, const GlScene& scene,
+                             const ViewerState& state) {
+  GlRenderOptions options = MakeGlRenderOptions(state);
+  if (compared_ && compared_->id == photograph.id && ShowsTheSame(compared_->options, options)) {
+    return;
+  }
+  Read(photograph);
+  const Layers rendered =
+      RenderFor(scene, picture_.camera, photograph.camera.camera_from_world, options);
+  difference_ = ComparePhotograph(picture_, rendered.color, rendered.coverage, kDifferenceGain);
+  shown_.clear();
+  for (const Image* image :
+       {&std::as_const(picture_.color), &rendered.color, &std::as_const(difference_.picture)}) {
+    shown_.emplace_back(*image);
+  }
+  compared_ = Compared{photograph.id, options};
+}
+
+void PhotographView::Draw(int width, int height, const Eigen::Vector3f& background) const {
+  ClearPicture(background, 1);
+  if (shown_.empty()) return;
+  const int picture_width = shown_[0].width(), picture_height = shown_[0].height();
+  const Arrangement best = LargestArrangement(width, height, picture_width, picture_height);
+  for (int i = 0; i < kPictures; ++i) {
+    const PixelRectangle cell = CellOf(best, i + best.first, width, height);
+    shown_[i].DrawInto(FitInto(cell, picture_width, picture_height), width, height);
+  }
+}
+
+Camera CameraInWindow(const Camera& camera, int width, int height) {
+  const double scale = std::min(static_cast<double>(width) / camera.width,
+                                static_cast<double>(height) / camera.height);
+  Camera pinhole;
+  pinhole.width = width;
+  pinhole.height = height;
+  pinhole.fx = camera.fx * scale;
+  pinhole.fy = camera.fy * scale;
+  pinhole.cx = (camera.cx + 0.5 - camera.width / 2.0) * scale + width / 2.0 - 0.5;
+  pinhole.cy = (camera.cy + 0.5 - camera.height / 2.0) * scale + height / 2.0 - 0.5;
+  return pinhole;
+}
+
+}  // namespace lfm

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/ray_scene.h"
+#include "viewer/gl_marks.h"
+#include "viewer/gl_scene.h"
+#include "viewer/model_loader.h"
+#include "viewer/photograph_view.h"
+#include "viewer/viewer_state.h"
+#include "viewer/viewer_status.h"
+
+namespace lfm {
+
+/// The scene of the interactive viewer: its models as they arrive, what is drawn over them, and
+/// what lies under the pointer. Needs a current context, the same one for its whole life.
+class SceneView {
+ public:
+  SceneView(const ViewOptions& options, BlockUse block_use);
+  ~SceneView();
+
+  /// Begins to read these models, in place of what is shown or beside it.
+  void Load(std::vector<SceneEntry> entries, bool keep);
+  /// The same of files as a user drops them: models stand beside one another, scenes as they say.
+  /// Throws Error when a scene file is wrong.
+  void LoadFiles(const std::vector<std::filesystem::path>& files, bool keep);
+  bool Loading() const;
+  /// Shows models that have been read already, in place of what is shown.
+  ViewerState Show(ViewerState state, const Scene& scene);
+  /// Photographs of the first model's object. Throws Error as PhotographView does.
+  void ShowPhotographsOf(const std::filesystem::path& work, const std::filesystem::path& capture);
+
+  /// Shows what has been read since the last time.
+  ViewerState TakeArrivals(ViewerState state);
+  /// What a click means.
+  ViewerState ApplyClick(ViewerState state, PictureSize size);
+  /// What has to be known before a draw; draws elsewhere meanwhile.
+  ViewerState Prepare(ViewerState state);
+  /// Draws into the bound framebuffer of that size.
+  void Draw(const ViewerState& state, PictureSize size);
+  /// What it knows, into its part of `status`.
+  void Report(const ViewerState& state, ViewerStatus& status) const;
+
+  /// The camera that the state shows the scene with.
+  PosedCamera CameraOf(const ViewerState& state, PictureSize size) const;
+  /// Where the ray through that pixel meets the scene first.
+  std::optional<Eigen::Vector3d> PointUnder(const PosedCamera& camera,
+                                            const Eigen::Vector2d& pixel) const;
+
+ private:
+  struct Marks;
+  ViewerState Rebuilt(ViewerState state);
+  void DrawOverlay(const ViewerState& state, const GlView& view);
+  void DrawLines(const ViewerState& state, const GlView& view) const;
+  const PosedPhotograph* PhotographOf(const ViewerState& state) const;
+  bool Compares(const ViewerState& state) const;
+  double FrustumDepth() const;
+
+  ViewOptions options_;
+  BlockUse block_use_;
+  std::unique_ptr<ModelLoader> loader_;
+  std::vector<SceneEntry> entries_;  ///< of the loader
+  std::vector<size_t> places_;       ///< of the entries that have arrived, in scene_; else npos
+  bool beside_ = false;              ///< the loader's models are placed beside what is there
+  bool replace_ = false;             ///< what is shown goes when the first model arrives
+  Scene scene_;
+  GlScene drawn_;
+  std::optional<RayScene> rays_;
+  TriangleMesh mesh_;  ///< of the scene, in the world
+  std::unique_ptr<PhotographView> photographs_;
+  std::unique_ptr<Marks> marks_;
+  std::string error_;
+};
+
+}  // namespace lfm
