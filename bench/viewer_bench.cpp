@@ -2,10 +2,11 @@
 // Times drawing: OpenGL's ways against a plain draw of the same mesh with one texture, on the same
 // driver and in turns, and the reference renderer against casting its rays alone.
 //
-//   lfm-bench-viewer MODEL... [--terms K] [--decoded] [--by-terms]
+//   lfm-bench-viewer MODEL|SCENE... [--terms K] [--blocks-as-they-are] [--by-terms]
 //
 // 1024 x 768, the object over about a third of the picture. Medians of 15 frames. --by-terms: rate
-// against the number of terms, in one pass and by the paper's algorithm (its Figure 10).
+// against the number of terms, in one pass and by the paper's algorithm (its Figure 10). Of a scene
+// file: frames a second of both renderers with one term, and with all.
 #include <epoxy/gl.h>
 
 #include <algorithm>
@@ -25,8 +26,11 @@
 #include "viewer/gl_framebuffer.h"
 #include "viewer/gl_objects.h"
 #include "viewer/gl_renderer.h"
+#include "viewer/gl_scene.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/reference_renderer.h"
+#include "viewer/scene.h"
+#include "viewer/scene_reading.h"
 
 namespace {
 
@@ -231,18 +235,55 @@ void ReportByTerms(const std::string& file, lfm::BlockUse block_use) {
   }
 }
 
+// From a little way above, the whole scene in the picture.
+void ReportScene(const std::string& file, lfm::BlockUse block_use) {
+  const lfm::Scene scene = lfm::ReadScene(lfm::ReadSceneFile(file), lfm::SilentProgress());
+  const lfm::TriangleMesh mesh = lfm::SceneMesh(scene);
+  const lfm::OrbitCamera orbit = lfm::FrameMesh(mesh, 0.5, static_cast<double>(kWidth) / kHeight);
+  const lfm::Camera camera = lfm::PinholeCamera(orbit, kWidth, kHeight);
+  const lfm::Pose pose = lfm::CameraFromWorld(orbit);
+  const lfm::GlScene gl(scene, block_use);
+  const lfm::ReferenceRenderer reference(scene);
+  const lfm::GlFramebuffer framebuffer(kWidth, kHeight, 1);
+  framebuffer.Bind();
+  std::printf("%s: %zu models, %zu triangles\n", file.c_str(), scene.size(), mesh.triangles.size());
+  const auto report = [](const char* name, const std::function<void()>& frame, int frames) {
+    frame();
+    std::vector<double> times;
+    for (int i = 0; i < frames; ++i) times.push_back(Milliseconds(frame));
+    std::printf("| %s | %.1f ms | %.1f frames/s |\n", name, Median(times), 1000 / Median(times));
+  };
+  for (const int terms : {1, 1 << 20}) {
+    std::printf("| %s terms | | |\n", terms == 1 ? "1" : "all");
+    for (const auto& [name, where] :
+         {std::pair{"OpenGL, exact a pixel", lfm::ViewCoordinates::kPerPixel},
+          {"OpenGL, view maps at the corners", lfm::ViewCoordinates::kMapsAtCorners}}) {
+      lfm::GlRenderOptions options;
+      options.evaluation.terms = terms;
+      options.view_coordinates = where;
+      report(
+          name, [&] { gl.Draw(camera, pose, options), glFinish(); }, kFrames);
+    }
+    lfm::RenderOptions options;
+    options.evaluation.terms = terms;
+    report(
+        "reference renderer",
+        [&] { (void)reference.Render(camera, pose, options, lfm::SilentProgress()); }, kPictures);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   int terms = 3;
-  lfm::BlockUse block_use = lfm::BlockUse::kAsTheyAre;
+  lfm::BlockUse block_use = lfm::BlockUse::kAutomatic;
   bool by_terms = false;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--terms") == 0 && i + 1 < argc) {
       terms = std::atoi(argv[++i]);
-    } else if (std::strcmp(argv[i], "--decoded") == 0) {
-      block_use = lfm::BlockUse::kDecoded;
+    } else if (std::strcmp(argv[i], "--blocks-as-they-are") == 0) {
+      block_use = lfm::BlockUse::kAsTheyAre;
     } else if (std::strcmp(argv[i], "--by-terms") == 0) {
       by_terms = true;
     } else {
@@ -250,7 +291,9 @@ int main(int argc, char** argv) {
     }
   }
   if (files.empty()) {
-    std::fprintf(stderr, "lfm-bench-viewer MODEL... [--terms K] [--decoded] [--by-terms]\n");
+    std::fprintf(
+        stderr,
+        "lfm-bench-viewer MODEL|SCENE... [--terms K] [--blocks-as-they-are] [--by-terms]\n");
     return 2;
   }
   try {
@@ -266,7 +309,13 @@ int main(int argc, char** argv) {
         "%s\n| way | a frame | times one texture | rate | against the reference | against "
         "exact |\n|---|---|---|---|---|---|\n",
         glGetString(GL_RENDERER));
-    for (const std::string& file : files) Report(file, terms, block_use);
+    for (const std::string& file : files) {
+      if (lfm::IsSceneFile(file)) {
+        ReportScene(file, block_use);
+      } else {
+        Report(file, terms, block_use);
+      }
+    }
   } catch (const lfm::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

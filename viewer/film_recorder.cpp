@@ -29,7 +29,8 @@ void FilmRecorder::Record(const Image& frame) {
 }
 
 std::string FilmRecorder::Summary() const {
-  return std::to_string(written_) + " frames in " + folder_.string();
+  return std::to_string(written_) + (written_ == 1 ? " frame in " : " frames in ") +
+         folder_.string();
 }
 
 std::filesystem::path FreeName(const std::string& prefix, const std::string& suffix) {

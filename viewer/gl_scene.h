@@ -18,6 +18,8 @@ class GlScene {
 
   /// Uploads a model and shows it in the place of number `index`, or, at size(), as one more.
   void Put(size_t index, const PlacedModel& model, BlockUse block_use);
+  /// Moves one that is there.
+  void Place(size_t index, const Placement& placement) { models_.at(index).placement = placement; }
   size_t size() const { return models_.size(); }
   /// Round all models, in the world; a unit sphere round the origin without any.
   Sphere bounds() const;

@@ -88,9 +88,9 @@ OrbitCamera Pan(const OrbitCamera& camera, const Eigen::Vector2d& pixels, int he
   const Eigen::Vector3d right = camera_from_world.row(0), down = camera_from_world.row(1);
   moved.target -= mm_per_pixel * (pixels.x() * right + pixels.y() * down);
   const Eigen::Vector3d offset = moved.target - camera.scene_center;
-  if (offset.norm() > camera.scene_radius) {
-    moved.target = camera.scene_center + offset.normalized() * camera.scene_radius;
-  }
+  // A target that is outside already, since the scene has changed, does not jump back.
+  const double reach = std::max(camera.scene_radius, (camera.target - camera.scene_center).norm());
+  if (offset.norm() > reach) moved.target = camera.scene_center + offset.normalized() * reach;
   return moved;
 }
 

@@ -42,7 +42,8 @@ OrbitCamera Orbit(const OrbitCamera& camera, double azimuth_change, double eleva
 /// Multiplies the distance; factors that are not positive are ignored.
 OrbitCamera Zoom(const OrbitCamera& camera, double factor);
 /// Moves the target so that what lies there follows the pointer by (dx, dy) pixels (x right,
-/// y down) in a picture of `height` pixels; stays within scene_radius of scene_center.
+/// y down) in a picture of `height` pixels; stays within scene_radius of scene_center, or goes no
+/// farther out where it is outside.
 OrbitCamera Pan(const OrbitCamera& camera, const Eigen::Vector2d& pixels, int height);
 
 Pose CameraFromWorld(const OrbitCamera& camera);

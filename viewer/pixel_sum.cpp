@@ -26,10 +26,17 @@ uint8_t Code8(float value) {
 
 }  // namespace
 
-void PixelSum::Add(const Eigen::Vector3f& color) {
-  coded = color;
-  linear += LinearColor(color);
-  ++hits;
+// Most pixels of one sample never ask for linear light, which costs as much as a third of their
+// ray.
+void PixelSum::Add(const Eigen::Vector3f& coded) {
+  if (hits_ > 0) linear_before_ += LinearColor(last_);
+  last_ = coded;
+  ++hits_;
+}
+
+Eigen::Vector3f PixelSum::Linear() const {
+  if (hits_ == 0) return Eigen::Vector3f::Zero();
+  return linear_before_ + LinearColor(last_);
 }
 
 Rendering EmptyRendering(int width, int height, const RenderOptions& options) {
@@ -59,21 +66,22 @@ void ValidateOptions(const RenderOptions& options) {
 void StorePixel(const PixelSum& sum, const RenderOptions& options, int x, int y,
                 Rendering& rendering) {
   const int samples = options.samples_per_side * options.samples_per_side;
-  const float share = static_cast<float>(sum.hits) / samples;
+  const float share = static_cast<float>(sum.hits()) / samples;
   Eigen::Vector3f over = options.background;
   Eigen::Vector3f alone = Eigen::Vector3f::Zero();
-  if (samples == 1 && sum.hits == 1) {
-    over = alone = sum.coded;
-  } else if (sum.hits > 0) {
-    alone = CodedColor(sum.linear / sum.hits);
-    over = CodedColor(sum.linear / samples + (1 - share) * LinearColor(options.background));
+  if (samples == 1 && sum.hits() == 1) {
+    over = alone = sum.last();
+  } else if (sum.hits() > 0) {
+    const Eigen::Vector3f linear = sum.Linear();
+    alone = CodedColor(linear / sum.hits());
+    over = CodedColor(linear / samples + (1 - share) * LinearColor(options.background));
   }
   for (int c = 0; c < 3; ++c) {
     rendering.color.At<uint8_t>(x, y, c) = Code8(over[c]);
     rendering.layer.At<uint8_t>(x, y, c) = Code8(alone[c]);
   }
   if (options.linear_light) {
-    const Eigen::Vector3f layer = sum.linear / static_cast<float>(samples);
+    const Eigen::Vector3f layer = sum.Linear() / static_cast<float>(samples);
     const Eigen::Vector3f color = layer + (1 - share) * LinearColor(options.background);
     for (int c = 0; c < 3; ++c) {
       rendering.linear_color.At<float>(x, y, c) = color[c];

@@ -9,12 +9,17 @@ namespace lfm {
 
 /// What the samples of one pixel gathered. A pixel of one sample keeps its code without a round
 /// trip through linear light.
-struct PixelSum {
-  int hits = 0;
-  Eigen::Vector3f linear = Eigen::Vector3f::Zero();
-  Eigen::Vector3f coded = Eigen::Vector3f::Zero();  ///< of the last hit
+class PixelSum {
+ public:
+  void Add(const Eigen::Vector3f& coded);
+  int hits() const { return hits_; }
+  const Eigen::Vector3f& last() const { return last_; }  ///< coded
+  Eigen::Vector3f Linear() const;                        ///< the sum of all hits
 
-  void Add(const Eigen::Vector3f& color);
+ private:
+  int hits_ = 0;
+  Eigen::Vector3f last_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f linear_before_ = Eigen::Vector3f::Zero();  ///< of all but the last
 };
 
 /// Pictures of width x height with nothing in them.

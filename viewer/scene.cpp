@@ -75,6 +75,17 @@ std::vector<SceneEntry> ReadSceneFile(const std::filesystem::path& file) {
   return entries;
 }
 
+void WriteSceneFile(std::span<const SceneEntry> entries, const std::filesystem::path& file) {
+  nlohmann::json models = nlohmann::json::array();
+  for (const SceneEntry& entry : entries) {
+    nlohmann::json model = PoseToJson(entry.placement.world_from_model);
+    model["file"] = std::filesystem::absolute(entry.file).lexically_normal().string();
+    model["scale"] = entry.placement.scale;
+    models.push_back(std::move(model));
+  }
+  WriteJson({{"models", std::move(models)}}, file);
+}
+
 std::vector<SceneEntry> SceneEntriesOf(const std::filesystem::path& model_or_scene) {
   if (IsSceneFile(model_or_scene)) return ReadSceneFile(model_or_scene);
   return {{model_or_scene, {}}};

@@ -51,6 +51,9 @@ bool IsSceneFile(const std::filesystem::path& file);
 /// place of a model, no model, more than 1000, and more than 4 MB of text.
 std::vector<SceneEntry> ReadSceneFile(const std::filesystem::path& file);
 
+/// The inverse, with absolute file names; atomic. Throws Error when it cannot be written.
+void WriteSceneFile(std::span<const SceneEntry> entries, const std::filesystem::path& file);
+
 /// What a command's MODEL names: a scene's models, or one model where it is.
 std::vector<SceneEntry> SceneEntriesOf(const std::filesystem::path& model_or_scene);
 

@@ -19,6 +19,12 @@ constexpr size_t kNotShown = static_cast<size_t>(-1);
 const Eigen::Vector3f kCameraColor = {0.95f, 0.75f, 0.25f}, kHeldOutColor = {0.35f, 0.8f, 0.95f},
                       kChosenColor = {1, 1, 1}, kTapeColor = {1, 0.35f, 0.3f};
 
+// Angles give a rotation back but for rounding.
+bool StandsThere(const Placement& a, const Placement& b) {
+  return (a.world_from_model.rotation - b.world_from_model.rotation).norm() < 1e-9 &&
+         a.world_from_model.translation == b.world_from_model.translation && a.scale == b.scale;
+}
+
 }  // namespace
 
 /// What is drawn over the scene's models or in their place.
@@ -77,6 +83,7 @@ ViewerState SceneView::TakeArrivals(ViewerState state) {
     if (!arrival->model.model) continue;
     if (std::exchange(replace_, false)) {
       scene_.clear();
+      files_.clear();
       drawn_ = {};
       state.tape.clear();
       state.touched = false;
@@ -88,6 +95,7 @@ ViewerState SceneView::TakeArrivals(ViewerState state) {
         arrival->model.placement = PlaceBeside(scene_, arrival->model.model->mesh);
       }
       scene_.emplace_back();
+      files_.push_back(entries_[arrival->entry].file);
     } else {
       arrival->model.placement = scene_[place].placement;
     }
@@ -97,6 +105,7 @@ ViewerState SceneView::TakeArrivals(ViewerState state) {
       error_ = arrival->model.name + ": " + error.what();
       if (place == drawn_.size()) {
         scene_.pop_back();
+        files_.pop_back();
         place = kNotShown;
       }
       continue;
@@ -109,6 +118,7 @@ ViewerState SceneView::TakeArrivals(ViewerState state) {
 }
 
 ViewerState SceneView::Show(ViewerState state, const Scene& scene) {
+  files_.resize(scene.size());
   loader_.reset();
   error_.clear();
   scene_ = scene;
@@ -118,14 +128,36 @@ ViewerState SceneView::Show(ViewerState state, const Scene& scene) {
 
 ViewerState SceneView::Rebuilt(ViewerState state) {
   mesh_ = SceneMesh(scene_);
-  rays_.emplace(mesh_);
+  rays_.reset();
   marks_->models.clear();
   marks_->overlay = Overlay::kNone;
   marks_->legend.clear();
   if (photographs_) photographs_->SceneChanged();
   int terms = 0;
-  for (const PlacedModel& placed : scene_) terms = std::max(terms, placed.model->terms);
+  state.models.clear();
+  for (size_t i = 0; i < scene_.size(); ++i) {
+    terms = std::max(terms, scene_[i].model->terms);
+    state.models.push_back(ShownAt(scene_[i].name, files_[i], scene_[i].placement));
+  }
   return WithScene(std::move(state), mesh_, terms, options_);
+}
+
+ViewerState SceneView::PlaceModels(ViewerState state) {
+  bool moved = false;
+  for (size_t i = 0; i < std::min(scene_.size(), state.models.size()); ++i) {
+    const Placement placement = PlacementOf(state.models[i]);
+    if (StandsThere(placement, scene_[i].placement)) continue;
+    scene_[i].placement = placement;
+    drawn_.Place(i, placement);
+    moved = true;
+  }
+  if (!moved) return state;
+  mesh_ = SceneMesh(scene_);
+  rays_.reset();
+  state.tape.clear();
+  if (photographs_) photographs_->SceneChanged();
+  state.touched = true;  // nothing jumps while something is moved
+  return WithScene(std::move(state), mesh_, state.model_terms, options_);
 }
 
 const PosedPhotograph* SceneView::PhotographOf(const ViewerState& state) const {
@@ -143,8 +175,9 @@ PosedCamera SceneView::CameraOf(const ViewerState& state, PictureSize size) cons
 }
 
 std::optional<Eigen::Vector3d> SceneView::PointUnder(const PosedCamera& posed,
-                                                     const Eigen::Vector2d& pixel) const {
-  if (!rays_) return std::nullopt;
+                                                     const Eigen::Vector2d& pixel) {
+  if (mesh_.triangles.empty()) return std::nullopt;
+  if (!rays_) rays_.emplace(mesh_);
   const auto in_camera = TryUnproject(posed.camera, pixel);
   if (!in_camera) return std::nullopt;
   const Eigen::Vector3d eye = posed.camera_from_world.Center();

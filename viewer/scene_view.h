@@ -36,6 +36,8 @@ class SceneView {
 
   /// Shows what has been read since the last time.
   ViewerState TakeArrivals(ViewerState state);
+  /// Moves models to where the state has them.
+  ViewerState PlaceModels(ViewerState state);
   /// What a click means.
   ViewerState ApplyClick(ViewerState state, PictureSize size);
   /// What has to be known before a draw; draws elsewhere meanwhile.
@@ -49,7 +51,7 @@ class SceneView {
   PosedCamera CameraOf(const ViewerState& state, PictureSize size) const;
   /// Where the ray through that pixel meets the scene first.
   std::optional<Eigen::Vector3d> PointUnder(const PosedCamera& camera,
-                                            const Eigen::Vector2d& pixel) const;
+                                            const Eigen::Vector2d& pixel);
 
  private:
   struct Marks;
@@ -68,9 +70,10 @@ class SceneView {
   bool beside_ = false;              ///< the loader's models are placed beside what is there
   bool replace_ = false;             ///< what is shown goes when the first model arrives
   Scene scene_;
+  std::vector<std::filesystem::path> files_;  ///< of its models
   GlScene drawn_;
-  std::optional<RayScene> rays_;
-  TriangleMesh mesh_;  ///< of the scene, in the world
+  std::optional<RayScene> rays_;  ///< of mesh_, once they are needed
+  TriangleMesh mesh_;             ///< of the scene, in the world
   std::unique_ptr<PhotographView> photographs_;
   std::unique_ptr<Marks> marks_;
   std::string error_;

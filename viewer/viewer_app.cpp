@@ -106,6 +106,7 @@ class App {
     std::optional<ScriptedInput> hands;
     if (script_) hands = script_->NextFrame();
     if (size.width < 1 || size.height < 1) {  // minimised
+      if (canvas_) RecordFilm();
       window_->WaitForEvents(script_ ? 0.01 : kIdleSeconds);
       return;
     }
@@ -116,6 +117,7 @@ class App {
     scene_->Report(state_, status_);
     status_.film_share = film_.Share();
     state_ = panel_->Update(std::move(state_), status_, hands);
+    state_ = scene_->PlaceModels(std::move(state_));
     if (state_.click) state_ = scene_->ApplyClick(std::move(state_), size);
     state_ = scene_->Prepare(std::move(state_));
     if (!RecordFilm()) DrawScene(state_);
@@ -158,10 +160,21 @@ class App {
         WriteCameraPath(state_.path, file);
         state_.message = "saved " + file.string() + "; lfm-render --path makes a film of it";
       }
+      if (std::exchange(state_.save_scene, false)) SaveScene();
       StartFilm();
     } catch (const Error& error) {
       state_.message = error.what();
     }
+  }
+
+  void SaveScene() {
+    std::vector<SceneEntry> entries;
+    for (const ShownModel& model : state_.models) {
+      entries.push_back({model.file, PlacementOf(model)});
+    }
+    const std::filesystem::path file = FreeName("lfm-viewer-scene-", ".json");
+    WriteSceneFile(entries, file);
+    state_.message = "saved " + file.string();
   }
 
   void StartFilm() {

@@ -176,6 +176,29 @@ ViewerState LayOutTools(ViewerState state, const ViewerStatus& status) {
   return state;
 }
 
+// Numbers to drag, three in a row.
+void DragNumbers(const char* label, Eigen::Vector3d& values, float speed) {
+  Eigen::Vector3f shown = values.cast<float>();
+  if (ImGui::DragFloat3(label, shown.data(), speed, 0, 0, "%.0f")) values = shown.cast<double>();
+}
+
+ViewerState LayOutModels(ViewerState state) {
+  for (size_t i = 0; i < state.models.size(); ++i) {
+    ShownModel& model = state.models[i];
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::TreeNode(model.name.c_str())) {
+      DragNumbers("mm", model.translation, 1);
+      DragNumbers("degrees", model.angles_deg, 1);
+      auto scale = static_cast<float>(model.scale);
+      if (ImGui::DragFloat("times", &scale, 0.01f, 0.01f, 100, "%.2f")) model.scale = scale;
+      ImGui::TreePop();
+    }
+    ImGui::PopID();
+  }
+  if (ImGui::Button("save scene")) state.save_scene = true;
+  return state;
+}
+
 void LayOutFrameTimes(const ViewerStatus& status) {
   if (status.frame_times_ms.empty()) return;
   std::vector<float> sorted = status.frame_times_ms;
@@ -202,7 +225,7 @@ ViewerState LayOutPanel(ViewerState state, const ViewerStatus& status, float sca
   }
   if (ImGui::CollapsingHeader("Tools")) state = LayOutTools(std::move(state), status);
   if (ImGui::CollapsingHeader("Models")) {
-    for (const std::string& name : status.models) ImGui::BulletText("%s", name.c_str());
+    state = LayOutModels(std::move(state));
     ImGui::Text("%zu triangles", status.triangles);
     ImGui::Checkbox("dropped files join these", &state.add_dropped);
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 
 #include "core/error.h"
 
@@ -17,13 +18,19 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 using Setter = std::function<void(ViewerState&, const std::string&)>;
 
-double ParseNumber(const std::string& text, double least, double most) {
+enum class NumberKind { kAny, kWhole };
+
+double ParseNumber(const std::string& text, double least, double most,
+                   NumberKind kind = NumberKind::kAny) {
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= least && value <= most)) {
+  const bool whole = kind == NumberKind::kWhole;
+  if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= least && value <= most) ||
+      (whole && value != std::floor(value))) {
     char range[80];
-    std::snprintf(range, sizeof(range), "a number from %g to %g", least, most);
+    std::snprintf(range, sizeof(range), "a %snumber from %g to %g", whole ? "whole " : "", least,
+                  most);
     throw Error(range);
   }
   return value;
@@ -32,6 +39,12 @@ double ParseNumber(const std::string& text, double least, double most) {
 Setter Number(double least, double most, std::function<void(ViewerState&, double)> set) {
   return [=](ViewerState& state, const std::string& text) {
     set(state, ParseNumber(text, least, most));
+  };
+}
+
+Setter WholeNumber(int least, int most, std::function<void(ViewerState&, int)> set) {
+  return [=](ViewerState& state, const std::string& text) {
+    set(state, static_cast<int>(ParseNumber(text, least, most, NumberKind::kWhole)));
   };
 }
 
@@ -57,6 +70,31 @@ void SetCamera(ViewerState& state, const OrbitCamera& camera) {
   state.photograph.clear();
 }
 
+// "2 100 0 0 0 0 90 0.5": a model's number from 1, millimetres, degrees about x, y and z, scale.
+void PlaceModel(ViewerState& state, const std::string& text) {
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  try {
+    for (std::string word; words >> word;) {
+      const size_t i = numbers.size();
+      const auto last = static_cast<double>(state.models.size());
+      numbers.push_back(i == 0   ? ParseNumber(word, 1, last, NumberKind::kWhole)
+                        : i == 7 ? ParseNumber(word, 1e-6, 1e6)
+                                 : ParseNumber(word, -1e9, 1e9));
+    }
+  } catch (const Error&) {
+    numbers.clear();
+  }
+  if (numbers.size() != 8) {
+    throw Error("eight numbers: a model's (1 to " + std::to_string(state.models.size()) +
+                "), x, y and z in mm, degrees about x, y and z, and a scale from 1e-6 to 1e6");
+  }
+  ShownModel& model = state.models[static_cast<size_t>(numbers[0]) - 1];
+  model.translation = {numbers[1], numbers[2], numbers[3]};
+  model.angles_deg = {numbers[4], numbers[5], numbers[6]};
+  model.scale = numbers[7];
+}
+
 std::map<std::string, Setter> MakeSetters() {
   using S = ViewerState;
   std::map<std::string, Setter> setters;
@@ -77,7 +115,13 @@ std::map<std::string, Setter> MakeSetters() {
   setters["exposure"] = Number(-10, 10, [](S& s, double stops) { s.tone.exposure_stops = stops; });
   setters["tone"] =
       Choice<ToneCurve>({"clip", "soft"}, [](S& s, ToneCurve curve) { s.tone.curve = curve; });
-  setters["background"] = [](S& s, const std::string& text) { s.background = ParseColor(text); };
+  setters["background"] = [](S& s, const std::string& text) {
+    try {
+      s.background = ParseColor(text);
+    } catch (const Error&) {
+      throw Error("rrggbb in hexadecimal, as 181a1f");
+    }
+  };
   setters["azimuth"] = Number(-3600, 3600, [](S& s, double degrees) {
     SetCamera(s, Orbit(s.camera, degrees * kDegree - s.camera.azimuth, 0));
   });
@@ -101,8 +145,20 @@ std::map<std::string, Setter> MakeSetters() {
   setters["panel"] = Switch(&S::show_panel);
   setters["frame-times"] = Switch(&S::show_frame_times);
   setters["add-dropped"] = Switch(&S::add_dropped);
-  setters["turntable"] = Number(1, 100000, [](S& s, double frames) {
-    s.turntable_frames = static_cast<int>(frames);
+  setters["place"] = [](S& s, const std::string& text) { PlaceModel(s, text); };
+  setters["save"] = [](S& s, const std::string& text) {
+    if (text == "screenshot") {
+      s.save_screenshot = true;
+    } else if (text == "path") {
+      s.save_path = true;
+    } else if (text == "scene") {
+      s.save_scene = true;
+    } else {
+      throw Error("screenshot, path or scene");
+    }
+  };
+  setters["turntable"] = WholeNumber(1, 100000, [](S& s, int frames) {
+    s.turntable_frames = frames;
     s.film = Film::kTurntable;
   });
   setters["film"] = Choice<Film>({"none", "turntable", "path"}, [](S& s, Film film) {

@@ -47,7 +47,8 @@ ViewerState WithPathKey(ViewerState state) {
     camera.azimuth = before + std::remainder(camera.azimuth - before, turn);
   }
   state.path.keys.push_back({time, camera});
-  state.message = "camera path: " + std::to_string(state.path.keys.size()) + " places";
+  const size_t places = state.path.keys.size();
+  state.message = "camera path: " + std::to_string(places) + (places == 1 ? " place" : " places");
   return state;
 }
 
@@ -76,7 +77,8 @@ ViewerState WithScene(ViewerState state, const TriangleMesh& mesh, int terms,
   } else {
     state.camera.scene_center = state.home.scene_center;
     state.camera.scene_radius = state.home.scene_radius;
-    state.camera.min_distance = std::min(state.home.min_distance, state.camera.distance);
+    state.camera.min_distance =
+        std::min({state.camera.min_distance, state.home.min_distance, state.camera.distance});
     state.camera.max_distance = std::max(state.home.max_distance, state.camera.distance);
   }
   return state;
@@ -161,7 +163,7 @@ ViewerState Apply(ViewerState state, ViewerAction action) {
 }
 
 ViewerState ApplyDrag(ViewerState state, DragMode mode, const Eigen::Vector2d& pixels, int height) {
-  if (height < 1 || pixels.isZero()) return state;
+  if (height < 1 || pixels.isZero() || !pixels.allFinite()) return state;
   const Eigen::Vector2d turn = pixels * (std::numbers::pi / height);
   switch (mode) {
     case DragMode::kPan:
@@ -187,6 +189,7 @@ ViewerState ApplyScroll(ViewerState state, const ScrollInput& scroll) {
   if (turns && !scroll.ctrl) {
     return ApplyDrag(std::move(state), DragMode::kOrbit, pixels, scroll.height);
   }
+  if (scroll.steps.y() == 0) return state;
   const double factor = std::pow(kZoomPerScrollStep, scroll.steps.y());
   return Moved(std::move(state),
                ZoomTowards(state.camera, factor, scroll.from_middle, scroll.height));

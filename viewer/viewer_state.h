@@ -10,6 +10,7 @@
 #include "viewer/gl_renderer.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/overlay_colors.h"
+#include "viewer/shown_model.h"
 #include "viewer/view_options.h"
 
 namespace lfm {
@@ -62,6 +63,8 @@ struct ViewerState {
   Tone tone;
   Eigen::Vector3f background = {0, 0, 0};  ///< sRGB-coded
 
+  std::vector<ShownModel> models;  ///< as the scene has them; moving one here moves it there
+
   Tool tool = Tool::kPick;
   std::vector<Eigen::Vector3d> tape;  ///< none, one or both ends, mm, world
   Scrolling scrolling = Scrolling::kAutomatic;
@@ -76,7 +79,8 @@ struct ViewerState {
   // Asked for, not done yet.
   std::optional<PictureClick> click;
   Film film = Film::kNone;
-  bool stop_film = false, save_screenshot = false, save_path = false, quit = false;
+  bool stop_film = false, save_screenshot = false, save_path = false, save_scene = false;
+  bool quit = false;
 };
 
 ViewerState MakeViewerState(const ViewOptions& options);
@@ -138,7 +142,7 @@ ViewerState AddTapeEnd(ViewerState state, const Eigen::Vector3d& point);
 std::optional<double> TapeLength(const ViewerState& state);
 
 /// An orbit that shows what this camera shows, as far as an orbit can (upright, its middle on the
-/// scene's): same eye and direction.
+/// scene's): same eye and direction; straight up or down, where orbits do not go, nearly.
 OrbitCamera OrbitLike(const Camera& camera, const Pose& camera_from_world,
                       const OrbitCamera& scene);
 

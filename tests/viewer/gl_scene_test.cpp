@@ -190,6 +190,45 @@ TEST_F(GlSceneTest, TermsAloneAndTonesAgreeWithTheReference) {
   }
 }
 
+// What the mode shows has to be the same from everywhere: twenty cameras on a spiral, near and far.
+TEST_F(GlSceneTest, AgreesWithTheReferenceOverTwentyCamerasInEveryMode) {
+  struct Mode {
+    const char* name;
+    EvaluationOptions evaluation;
+    Tone tone;
+  };
+  const Mode modes[] = {{"all", {}, {}},
+                        {"mean view", {0}, {}},
+                        {"one term", {1}, {}},
+                        {"the second term alone", {.term_alone = 1}, {}},
+                        {"bright and soft", {}, {1, ToneCurve::kSoft}}};
+  for (const bool nonnegative : {false, true}) {
+    const LightFieldModel model = GentleModel(nonnegative);
+    const Scene scene = SceneOf(model);
+    const GlScene gl(scene);
+    const ReferenceRenderer reference(scene);
+    for (int i = 0; i < 20; ++i) {
+      OrbitCamera orbit = ViewOfScene(scene, 360 * 0.618 * i, 80 - 8 * i);
+      orbit = Zoom(orbit, i % 3 == 0 ? 0.6 : i % 3 == 1 ? 1 : 1.3);
+      const Camera camera = PinholeCamera(orbit, kWidth, kHeight);
+      const Pose pose = CameraFromWorld(orbit);
+      const Image mask = AwayFromEdges(scene, camera, pose);
+      for (const Mode& mode : modes) {
+        RenderOptions options;
+        options.evaluation = mode.evaluation;
+        options.tone = mode.tone;
+        GlRenderOptions gl_options;
+        gl_options.evaluation = mode.evaluation;
+        gl_options.tone = mode.tone;
+        const Rendering expected = reference.Render(camera, pose, options, SilentProgress());
+        EXPECT_GE(CompareImages(Draw(gl, camera, pose, gl_options), expected.color, mask).psnr_db,
+                  kMinPsnrDb)
+            << mode.name << ", camera " << i;
+      }
+    }
+  }
+}
+
 // What a term alone shows is its part of the sum.
 TEST_F(GlSceneTest, TermsAloneAddUp) {
   const LightFieldModel model = MakeSmoothRandomModel(7, DirectionMap::kHemiOctahedral);

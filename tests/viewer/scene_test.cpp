@@ -247,5 +247,25 @@ TEST(Scene, BesideNothingIsWhereItIs) {
   ExpectNear(PlaceBeside(hollow, box) * Eigen::Vector3d(3, 4, 5), {3, 4, 5});
 }
 
+TEST(SceneFile, WritesWhatItReads) {
+  const ScratchFolder scratch;
+  std::vector<SceneEntry> entries = {{scratch.folder / "a.glb", {}},
+                                     {scratch.folder / "b.lfz", {}}};
+  entries[1].placement.world_from_model =
+      Pose::FromQuaternion(Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {1, 2.5, -3});
+  entries[1].placement.scale = 0.125;
+  WriteSceneFile(entries, scratch.folder / "scene.json");
+  const std::vector<SceneEntry> back = ReadSceneFile(scratch.folder / "scene.json");
+  ASSERT_EQ(back.size(), 2u);
+  for (size_t i = 0; i < back.size(); ++i) {
+    const Placement &was = entries[i].placement, &is = back[i].placement;
+    EXPECT_EQ(back[i].file, entries[i].file);
+    EXPECT_LT((is.world_from_model.rotation - was.world_from_model.rotation).norm(), 1e-12);
+    EXPECT_EQ(is.world_from_model.translation, was.world_from_model.translation);
+    EXPECT_EQ(is.scale, was.scale);
+  }
+  EXPECT_THROW(WriteSceneFile(entries, scratch.folder / "absent" / "scene.json"), Error);
+}
+
 }  // namespace
 }  // namespace lfm

@@ -4,84 +4,19 @@
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "compressed_models.h"
-#include "core/atomic_file.h"
-#include "core/image_metrics.h"
-#include "core/json_reader.h"
 #include "core/ray_scene.h"
-#include "encode/glb.h"
-#include "synthetic_model.h"
-#include "tests/support/run_command.h"
-#include "tests/support/scratch_folder.h"
-#include "viewer/reference_renderer.h"
-#include "viewer/scene.h"
-#include "viewer/view_options.h"
+#include "viewer_script_fixture.h"
 
 namespace lfm {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kLfmViewer = std::string(LFM_BIN_DIR) + "/lfm-viewer";
-constexpr double kMinPsnrDb = 45;
+
 constexpr double kPointerMm = 1e-4;  // pointers are in single precision
-constexpr double kDegree = std::numbers::pi / 180;
-
-class ViewerScriptCommand : public testing::Test {
- protected:
-  void SetUp() override {
-    WriteGlb(MakeSmoothRandomModel(1, DirectionMap::kHemiOctahedral), model_);
-    view_.size = "240x200";
-  }
-
-  /// Plays the lines in the scratch folder; {} in them is that folder.
-  CommandOutcome Play(const std::string& lines, std::vector<std::string> more = {}) {
-    return PlayOn(model_, lines, std::move(more));
-  }
-  CommandOutcome PlayOn(const std::string& model, const std::string& lines,
-                        std::vector<std::string> more = {}, const CommandSettings& settings = {}) {
-    std::string script = lines;
-    for (size_t at; (at = script.find("{}")) != std::string::npos;) {
-      script.replace(at, 2, scratch_.folder.string());
-    }
-    WriteFileAtomically(scratch_.folder / "script.txt", script);
-    std::vector<std::string> arguments = {
-        "xvfb-run", "-a",       kLfmViewer,      model, "--script", scratch_.folder / "script.txt",
-        "--size",   view_.size, "--multisample", "1"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunCommand(arguments, settings);
-  }
-
-  nlohmann::json State(const std::string& name) const { return ReadJson(scratch_.folder / name); }
-  Image Picture(const std::string& name) const { return ReadImage(scratch_.folder / name); }
-
-  /// The camera that a state file tells of.
-  OrbitCamera CameraOf(const nlohmann::json& state) const {
-    OrbitCamera camera = MakeOrbitCamera(MakeSmoothRandomModel(1, {}).mesh, view_);
-    camera.azimuth = state.at("azimuth").get<double>() * kDegree;
-    camera.elevation = state.at("elevation").get<double>() * kDegree;
-    camera.distance = state.at("distance");
-    for (int i = 0; i < 3; ++i) camera.target[i] = state.at("target")[i];
-    return camera;
-  }
-
-  /// Against the reference renderer, over the object.
-  double Psnr(const Image& picture, const Scene& scene, const OrbitCamera& orbit,
-              RenderOptions options = {}) const {
-    options.background = ParseColor(view_.background);
-    const Rendering expected =
-        ReferenceRenderer(scene).Render(PinholeCamera(orbit, picture.width(), picture.height()),
-                                        CameraFromWorld(orbit), options, SilentProgress());
-    return CompareImages(picture, expected.color, expected.coverage).psnr_db;
-  }
-
-  ScratchFolder scratch_;
-  ViewOptions view_;
-  const std::string model_ = scratch_.folder / "model.glb";
-};
 
 TEST_F(ViewerScriptCommand, HandsTurnMoveAndZoomAsTheReferenceHasIt) {
   const CommandOutcome outcome = Play(R"(
@@ -239,68 +174,6 @@ screenshot {}/focus.png
   const OrbitCamera after = CameraOf(State("focus.json"));
   EXPECT_LT((after.target - focused).norm(), kPointerMm);
   EXPECT_NEAR(after.distance, before.distance, 1e-9);
-}
-
-TEST_F(ViewerScriptCommand, DroppedModelsReplaceOrJoinAndBrokenOnesAreSaid) {
-  LightFieldModel other = MakeSmoothRandomModel(2, DirectionMap::kHemiOctahedral);
-  WriteGlb(other, scratch_.folder / "other.glb");
-  WriteFileAtomically(scratch_.folder / "broken.glb", ReadFile(model_).substr(0, 5000));
-  WriteFileAtomically(scratch_.folder / "scene.json",
-                      R"({"models": [{"file": "model.glb"}, {"file": "other.glb",
-                          "translation": [150, 0, 0], "scale": 0.5}]})");
-  const CommandOutcome outcome = Play(R"(
-loaded
-drop {}/broken.glb
-loaded
-wait 2
-windowshot {}/broken.png
-screenshot {}/broken_scene.png
-state {}/broken.json
-drop {}/absent.glb
-loaded
-state {}/absent.json
-drop {}/other.glb
-loaded
-screenshot {}/other.png
-state {}/other.json
-set add-dropped on
-drop {}/model.glb
-loaded
-screenshot {}/both.png
-state {}/both.json
-set add-dropped off
-drop {}/scene.json
-loaded
-screenshot {}/scene.png
-state {}/scene_state.json
-)");
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(State("broken.json").at("error").get<std::string>().find("broken.glb"),
-            std::string::npos);
-  EXPECT_FALSE(Picture("broken.png").Bytes() == Picture("broken_scene.png").Bytes())
-      << "the window says it";
-  EXPECT_EQ(State("broken.json").at("models").size(), 1u) << "what was shown stays";
-  EXPECT_NE(State("absent.json").at("error").get<std::string>().find("absent.glb"),
-            std::string::npos);
-  EXPECT_EQ(State("other.json").at("error"), "");
-  EXPECT_EQ(State("other.json").at("models"), nlohmann::json::array({"other.glb"}));
-  EXPECT_GE(Psnr(Picture("other.png"), SceneOf(other), CameraOf(State("other.json"))), kMinPsnrDb);
-
-  const auto first = std::make_shared<const LightFieldModel>(ReadGlb(model_));
-  const auto second =
-      std::make_shared<const LightFieldModel>(ReadGlb(scratch_.folder / "other.glb"));
-  Scene both = {{"other", second, {}}};
-  both.push_back({"model", first, PlaceBeside(both, first->mesh)});
-  EXPECT_EQ(State("both.json").at("models").size(), 2u);
-  EXPECT_EQ(State("both.json").at("triangles"),
-            first->mesh.triangles.size() + second->mesh.triangles.size());
-  EXPECT_GE(Psnr(Picture("both.png"), both, CameraOf(State("both.json"))), kMinPsnrDb - 3);
-  Placement placed;
-  placed.world_from_model.translation = {150, 0, 0};
-  placed.scale = 0.5;
-  const Scene scene = {{"model", first, {}}, {"other", second, placed}};
-  EXPECT_GE(Psnr(Picture("scene.png"), scene, CameraOf(State("scene_state.json"))), kMinPsnrDb - 3)
-      << "silhouettes within count";
 }
 
 TEST_F(ViewerScriptCommand, WindowsMayShrinkToNothing) {

@@ -21,7 +21,10 @@ constexpr double kAngle_abs = 1e-12, kMm_abs = 1e-9;
 
 ViewerState TestState() {
   const ViewOptions options;
-  return WithScene(MakeViewerState(options), MakeSphere(60, {10, -20, 80}, 1), 5, options);
+  ViewerState state =
+      WithScene(MakeViewerState(options), MakeSphere(60, {10, -20, 80}, 1), 5, options);
+  state.models = {{"bust", "bust.glb"}, {"vase", "vase.glb"}};
+  return state;
 }
 
 struct SettingCase {
@@ -81,6 +84,16 @@ std::vector<SettingCase> Cases() {
        [](const S& s) { return s.turntable_frames == 7 && s.film == Film::kTurntable; }},
       {"film turntable", [](const S& s) { return s.film == Film::kTurntable && !s.stop_film; }},
       {"film path", [](const S& s) { return s.film == Film::kPath && !s.stop_film; }},
+      {"place 2 100 0 -5 10 20.5 90 0.5",
+       [](const S& s) {
+         const ShownModel& vase = s.models[1];
+         return vase.translation == Eigen::Vector3d(100, 0, -5) &&
+                vase.angles_deg == Eigen::Vector3d(10, 20.5, 90) && vase.scale == 0.5 &&
+                vase.name == "vase" && s.models[0] == ShownModel{"bust", "bust.glb"};
+       }},
+      {"save screenshot", [](const S& s) { return s.save_screenshot; }},
+      {"save path", [](const S& s) { return s.save_path; }},
+      {"save scene", [](const S& s) { return s.save_scene; }},
       {"film none", [](const S& s) { return s.film == Film::kNone && s.stop_film; }},
   };
 }
@@ -201,6 +214,8 @@ TEST(ViewerSettings, BadValuesAreRefusedWithWhatIsPossible) {
       {"add-dropped", {"off or on"}},
       {"turntable", {"from 1 to 100000"}},
       {"film", {"none", "turntable", "path"}},
+      {"place", {"number"}},
+      {"save", {"screenshot", "path", "scene"}},
   };
   for (const std::string& name : SettingNames()) {
     if (name == "photograph") continue;  // any text may be one's id
@@ -224,6 +239,16 @@ TEST(ViewerSettings, NumbersStayInTheirRanges) {
         "exposure 0x1", "exposure 1,5"}) {
     ExpectRefused(setting, {"a number from"});
   }
+}
+
+TEST(ViewerSettings, OnlyModelsThatAreThereArePlaced) {
+  for (const char* setting :
+       {"place 0 0 0 0 0 0 0 1", "place 3 0 0 0 0 0 0 1", "place 1.5 0 0 0 0 0 0 1",
+        "place -1 0 0 0 0 0 0 1", "place 1 0 0 0 0 0 0", "place 1 0 0 0 0 0 0 1 1",
+        "place 1 0 0 0 0 0 0 0", "place 1 0 0 0 0 0 0 -2"}) {
+    ExpectRefused(setting, {"model's number", "2", "mm", "degrees", "scale"});
+  }
+  ExpectRefused("place 1 nan 0 0 0 0 0 1", {"number"});
 }
 
 TEST(ViewerSettings, UnknownNamesAreRefusedWithThoseThatAreKnown) {

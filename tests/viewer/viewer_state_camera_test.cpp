@@ -211,6 +211,11 @@ TEST(ViewerState, FocusIsSeenFromTheSameDirectionAndDistance) {
   EXPECT_NEAR((Eye(focused) - point).norm(), state.camera.distance, kMm_abs);
   EXPECT_TRUE(focused.touched);
   EXPECT_TRUE(focused.photograph.empty());
+  ViewerState near = focused;
+  for (int i = 0; i < 100; ++i) near = Apply(near, ViewerAction::kCloser);
+  EXPECT_LT(near.camera.distance, state.camera.min_distance / 2) << "than to a whole scene";
+  EXPECT_GT(near.camera.distance, 0);
+  EXPECT_EQ(near.camera.target, point);
 }
 
 /// A camera that stands and looks somehow; its picture is that of PinholeCamera's form.
@@ -235,6 +240,9 @@ TEST(OrbitLike, AnUprightCameraAimedAtTheMiddleShowsTheSamePicture) {
     const Pose pose = LookAt(kCenter + offset, kCenter, Eigen::Vector3d::UnitZ());
     const OrbitCamera orbit = OrbitLike(camera, pose, scene);
     const Camera shown = PinholeCamera(orbit, kWidth, kHeight);
+    if (offset.norm() > scene.min_distance) {
+      EXPECT_LT((orbit.target - kCenter).norm(), kMm_abs) << "turns about the middle";
+    }
     for (const Eigen::Vector3d& point : TestMesh().vertices) {
       const auto expected = Project(camera, pose * point);
       const auto pixel = Project(shown, CameraFromWorld(orbit) * point);
