@@ -21,14 +21,16 @@ Tap MakeTap(ptrdiff_t texel, ptrdiff_t step_x, ptrdiff_t step_y, float fx, float
           {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
 }
 
-Eigen::Vector3f Sample(const Image& page, const Tap& tap) {
+inline Eigen::Vector3f Sample(const Image& page, const Tap& tap) {
   const auto* data = reinterpret_cast<const uint8_t*>(page.Bytes().data());
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float r = 0, g = 0, b = 0;
   for (int k = 0; k < 4; ++k) {
     const uint8_t* texel = data + tap.offset[k];
-    sum += tap.weight[k] * Eigen::Vector3f(texel[0], texel[1], texel[2]);
+    r += tap.weight[k] * texel[0];
+    g += tap.weight[k] * texel[1];
+    b += tap.weight[k] * texel[2];
   }
-  return sum;
+  return {r, g, b};
 }
 
 // Coordinates of a surface point in the patch grid, split into cell and fraction.

@@ -101,7 +101,7 @@ TEST(FilmRecorder, WhatCannotBeWrittenIsNoFrame) {
   film.Record(Frame(0));
   std::filesystem::create_directories(scratch.folder / "film" / "frame_0001.png" / "full");
   EXPECT_THROW(film.Record(Frame(1)), Error);
-  EXPECT_EQ(film.Summary().substr(0, 9), "1 frames ");
+  EXPECT_EQ(film.Summary().substr(0, 10), "1 frame in");
   EXPECT_EQ(ReadImage(scratch.folder / "film" / "frame_0000.png").Bytes(), Frame(0).Bytes());
 }
 

@@ -264,7 +264,8 @@ TEST(SceneFile, WritesWhatItReads) {
     EXPECT_EQ(is.world_from_model.translation, was.world_from_model.translation);
     EXPECT_EQ(is.scale, was.scale);
   }
-  EXPECT_THROW(WriteSceneFile(entries, scratch.folder / "absent" / "scene.json"), Error);
+  WriteFileAtomically(scratch.folder / "a_file", "");
+  EXPECT_THROW(WriteSceneFile(entries, scratch.folder / "a_file" / "scene.json"), Error);
 }
 
 }  // namespace

@@ -82,8 +82,6 @@ TEST_F(ViewerScriptCommand, ModelsAreMovedAndScenesSaved) {
   WriteFileAtomically(scratch_.folder / "scene.json",
                       R"({"models": [{"file": "model.glb"}, {"file": "model.glb",
                           "translation": [150, 0, 0], "scale": 0.5}]})");
-  fs::create_directories(scratch_.folder / "here");
-  fs::current_path(scratch_.folder / "here");  // what is saved lands in the current folder
   const CommandOutcome outcome = PlayOn(scratch_.folder / "scene.json", R"(
 loaded
 state {}/before.json
@@ -93,7 +91,6 @@ state {}/moved.json
 set save scene
 wait 1
 )");
-  fs::current_path(scratch_.folder);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(State("moved.json").at("distance"), State("before.json").at("distance"))
       << "nothing jumps";
@@ -105,8 +102,7 @@ wait 1
   placed.scale = 0.6;
   const Scene scene = {{"first", model, {}}, {"second", model, placed}};
   EXPECT_GE(Psnr(Picture("moved.png"), scene, CameraOf(State("moved.json"))), kMinPsnrDb - 3);
-  const std::vector<SceneEntry> saved =
-      ReadSceneFile(scratch_.folder / "here" / "lfm-viewer-scene-0001.json");
+  const std::vector<SceneEntry> saved = ReadSceneFile(here_ / "lfm-viewer-scene-0001.json");
   ASSERT_EQ(saved.size(), 2u);
   EXPECT_TRUE(fs::equivalent(saved[1].file, model_));
   EXPECT_LT(

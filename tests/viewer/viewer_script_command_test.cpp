@@ -193,38 +193,30 @@ screenshot {}/after.png
 }
 
 TEST_F(ViewerScriptCommand, FilmsAreWrittenFrameByFrame) {
-  fs::create_directories(scratch_.folder / "here");
-  // Films are written into the current folder.
-  const std::string script = R"(
+  const CommandOutcome outcome = Play(R"(
 loaded
 set turntable 4
 loaded
+key P
 key K
 drag left 220 60 260 60
 key K
 set film path
 loaded
 state {}/films.json
-)";
-  const std::string here = scratch_.folder / "here";
-  std::string lines = script;
-  lines.replace(lines.find("{}"), 2, scratch_.folder.string());
-  WriteFileAtomically(scratch_.folder / "script.txt", lines);
-  const CommandOutcome outcome =
-      RunCommand({"env", "-C", here, "xvfb-run", "-a", kLfmViewer, model_, "--script",
-                  scratch_.folder / "script.txt", "--size", view_.size, "--multisample", "1"});
+)");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const LightFieldModel model = ReadGlb(model_);
   const std::vector<OrbitCamera> turn = TurntablePath(MakeOrbitCamera(model.mesh, view_), 4);
   for (int frame = 0; frame < 4; ++frame) {
     const fs::path file =
-        fs::path(here) / "lfm-viewer-film-0001" / ("frame_000" + std::to_string(frame) + ".png");
+        here_ / "lfm-viewer-film-0001" / ("frame_000" + std::to_string(frame) + ".png");
     EXPECT_GE(Psnr(ReadImage(file), SceneOf(model), turn[frame]), kMinPsnrDb) << frame;
   }
-  EXPECT_FALSE(fs::exists(fs::path(here) / "lfm-viewer-film-0001" / "frame_0004.png"));
+  EXPECT_FALSE(fs::exists(here_ / "lfm-viewer-film-0001" / "frame_0004.png"));
   // Two seconds at 25 frames a second, both ends included.
-  EXPECT_TRUE(fs::exists(fs::path(here) / "lfm-viewer-film-0002" / "frame_0050.png"));
-  EXPECT_FALSE(fs::exists(fs::path(here) / "lfm-viewer-film-0002" / "frame_0051.png"));
+  EXPECT_TRUE(fs::exists(here_ / "lfm-viewer-film-0002" / "frame_0050.png"));
+  EXPECT_FALSE(fs::exists(here_ / "lfm-viewer-film-0002" / "frame_0051.png"));
   EXPECT_NE(State("films.json").at("message").get<std::string>().find("51 frames"),
             std::string::npos);
 }

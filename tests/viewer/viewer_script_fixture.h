@@ -45,9 +45,12 @@ class ViewerScriptCommand : public testing::Test {
       script.replace(at, 2, scratch_.folder.string());
     }
     WriteFileAtomically(scratch_.folder / "script.txt", script);
-    std::vector<std::string> arguments = {
-        "xvfb-run", "-a",       kLfmViewer,      model, "--script", scratch_.folder / "script.txt",
-        "--size",   view_.size, "--multisample", "1"};
+    std::filesystem::create_directories(here_);
+    std::vector<std::string> arguments = {"env",      "-C",       here_.string(),
+                                          "xvfb-run", "-a",       kLfmViewer,
+                                          model,      "--script", scratch_.folder / "script.txt",
+                                          "--size",   view_.size, "--multisample",
+                                          "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunCommand(arguments, settings);
   }
@@ -76,6 +79,7 @@ class ViewerScriptCommand : public testing::Test {
   }
 
   ScratchFolder scratch_;
+  const std::filesystem::path here_ = scratch_.folder / "here";  ///< the current folder
   ViewOptions view_;
   const std::string model_ = scratch_.folder / "model.glb";
 };

@@ -237,7 +237,7 @@ TEST(ViewerSettings, NumbersStayInTheirRanges) {
         "azimuth -3601", "elevation 89.5", "elevation -89.5", "distance 0", "distance -5",
         "distance 2e9", "turntable 0", "turntable 100001", "exposure 1 2", "exposure  1",
         "exposure 0x1", "exposure 1,5"}) {
-    ExpectRefused(setting, {"a number from"});
+    ExpectRefused(setting, {"number from"});
   }
 }
 
@@ -246,7 +246,7 @@ TEST(ViewerSettings, OnlyModelsThatAreThereArePlaced) {
        {"place 0 0 0 0 0 0 0 1", "place 3 0 0 0 0 0 0 1", "place 1.5 0 0 0 0 0 0 1",
         "place -1 0 0 0 0 0 0 1", "place 1 0 0 0 0 0 0", "place 1 0 0 0 0 0 0 1 1",
         "place 1 0 0 0 0 0 0 0", "place 1 0 0 0 0 0 0 -2"}) {
-    ExpectRefused(setting, {"model's number", "2", "mm", "degrees", "scale"});
+    ExpectRefused(setting, {"eight numbers", "2", "mm", "degrees", "scale"});
   }
   ExpectRefused("place 1 nan 0 0 0 0 0 1", {"number"});
 }

@@ -10,12 +10,15 @@
 
 #ifdef LFM_CORNER_TERMS
 centroid in vec3 corner_views[3 * LFM_CORNER_TERMS];
+centroid in vec3 corner_bias;
 #else
 centroid in vec3 view_vector[3];
 flat in ivec3 view_tile[3];
 #endif
 centroid in vec3 corner_weights;
+#ifndef LFM_CORNER_TERMS
 flat in ivec3 patch_corners;
+#endif
 flat in int patch_triangle;  // its number
 flat in ivec3 corner_terms;
 
@@ -84,6 +87,14 @@ vec3 ReadPlanes(sampler2DArray maps, vec2 texel, int layer, int planes) {
               ReadTexel(maps, texel, layer * 3 + 2).r);
 }
 
+vec3 FetchPlanes(sampler2DArray maps, vec2 texel, int layer, int planes) {
+  ivec2 at = ivec2(texel + 0.5);
+  if (planes == 1) return texelFetch(maps, ivec3(at, layer), 0).rgb;
+  return vec3(texelFetch(maps, ivec3(at, layer * 3), 0).r,
+              texelFetch(maps, ivec3(at, layer * 3 + 1), 0).r,
+              texelFetch(maps, ivec3(at, layer * 3 + 2), 0).r);
+}
+
 // In a cell on the hypotenuse: the plane through its three samples, as the weighted mean of two
 // readings along its legs, whatever stands beyond the hypotenuse.
 vec3 ReadPatch(sampler2DArray maps, Patch place, vec2 weights, int layer, int planes) {
@@ -94,22 +105,19 @@ vec3 ReadPatch(sampler2DArray maps, Patch place, vec2 weights, int layer, int pl
   vec2 cell = min(floor(grid_position), vec2(place.last - 1.0));
   vec2 corner = place.origin + place.step * cell, inside = grid_position - cell;
   bool on_hypotenuse = cell.x + cell.y > place.last - 1.5;
-  vec2 share = on_hypotenuse ? inside + 0.5 * (1.0 - inside.x - inside.y) : vec2(1.0, 0.0);
-  vec2 along = inside / max(share, vec2(1e-6));
-  vec2 first = on_hypotenuse ? vec2(along.x, 0.0) : inside;
-  vec3 sum = share.x * ReadPlanes(maps, corner + place.step * first, layer, planes);
-  if (on_hypotenuse) {
-    sum += share.y * ReadPlanes(maps, corner + place.step * vec2(0.0, along.y), layer, planes);
-  }
-  return sum;
+  float last = on_hypotenuse ? 0.0 : inside.x * inside.y;
+  return (1.0 - inside.x - inside.y + last) * FetchPlanes(maps, corner, layer, planes) +
+         (inside.x - last) * FetchPlanes(maps, corner + vec2(place.step, 0.0), layer, planes) +
+         (inside.y - last) * FetchPlanes(maps, corner + vec2(0.0, place.step), layer, planes) +
+         last * FetchPlanes(maps, corner + place.step, layer, planes);
 }
 
+#ifndef LFM_CORNER_TERMS
 float SurfaceFactor(int k, int j, float code) {
   vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
   return range.x * code + range.y;
 }
 
-#ifndef LFM_CORNER_TERMS
 vec3 ViewFactor(int k, int j, vec2 square) {
   vec4 range = Entry(ranges, k * vertex_count + patch_corners[j]);
   ivec4 tile = ivec4(view_tile[j], grid);
@@ -188,6 +196,7 @@ void main() {
 #if defined(LFM_TERM)
   for (int k = LFM_TERM; k < min(shown, LFM_TERM + 1); ++k) {
 #elif defined(LFM_CORNER_TERMS)
+  sum += corner_bias;
   for (int k = 0; k < LFM_CORNER_TERMS; ++k) {  // unrolled: corner_views is not indexed then
 #else
   for (int k = 0; k < shown; ++k) {
@@ -195,7 +204,7 @@ void main() {
     vec3 surface = SurfaceCodes(k, place, weights);
     for (int j = 0; j < 3; ++j) {
 #ifdef LFM_CORNER_TERMS
-      sum += SurfaceFactor(k, j, surface[j]) * corner_views[3 * k + j];
+      sum += surface[j] * corner_views[3 * k + j];
 #else
       sum += SurfaceFactor(k, j, surface[j]) * ViewFactor(k, j, view_square[j]);
 #endif

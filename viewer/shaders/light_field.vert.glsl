@@ -30,7 +30,9 @@ uniform sampler2D tiles;
 uniform int terms;
 uniform int vertex_count;
 uniform int view_first[16];
-centroid out vec3 corner_views[3 * LFM_CORNER_TERMS];  // of term k and corner j: 3 k + j
+// A term's product is (scale code + bias) view, of which code alone changes over the triangle:
+centroid out vec3 corner_views[3 * LFM_CORNER_TERMS];  // scale view, of term k and corner j: 3 k + j
+centroid out vec3 corner_bias;                         // bias view, summed
 #endif
 
 #ifndef LFM_CORNER_TERMS
@@ -38,7 +40,9 @@ centroid out vec3 view_vector[3];  // per pixel: towards the eye; per vertex: (s
 flat out ivec3 view_tile[3];       // x, y of the top-left texel, page
 #endif
 centroid out vec3 corner_weights;
+#ifndef LFM_CORNER_TERMS
 flat out ivec3 patch_corners;
+#endif
 flat out int patch_triangle;
 flat out ivec3 corner_terms;
 
@@ -55,21 +59,23 @@ vec4 VertexEntry(sampler2D table, int entry) {
   return texelFetch(table, ivec2(entry & 1023, entry >> 10), 0);
 }
 
-// What term k of vertex v shows in direction `square`; nothing where v has no such term.
-vec3 ReadView(int k, int v, int own_terms, vec2 square, ivec3 place) {
-  if (k >= min(terms, own_terms)) return vec3(0.0);
+// What term k of vertex v shows in direction `square`.
+vec3 ReadView(int k, int v, vec4 range, vec2 square, ivec3 place) {
   ivec4 tile = ivec4(place, grid);
   if (codebooks != 0) tile = ivec4(VertexEntry(tiles, k * vertex_count + v) + 0.5);
   vec2 texel = vec2(tile.xy) + square * float(tile.w - 1) + 0.5;
   vec3 at = vec3(texel / vec2(textureSize(view_maps, 0).xy), float(view_first[k] + tile.z));
-  vec4 range = VertexEntry(ranges, k * vertex_count + v);
   return range.z * textureLod(view_maps, at, 0.0).rgb + range.w;
 }
 #endif
 
 void main() {
   gl_Position = clip_from_model * vec4(position, 1.0);
+#ifdef LFM_CORNER_TERMS
+  corner_bias = vec3(0.0);
+#else
   patch_corners = corners;
+#endif
   patch_triangle = triangle;
   int corner = gl_VertexID % 3;
   corner_weights = vec3(corner == 0, corner == 1, corner == 2);
@@ -87,7 +93,11 @@ void main() {
 #ifdef LFM_CORNER_TERMS
     vec2 square = clamp(SquareFromDirection(normalize(in_frame), direction_map), 0.0, 1.0);
     for (int k = 0; k < LFM_CORNER_TERMS; ++k) {
-      corner_views[3 * k + j] = ReadView(k, v, corner_terms[j], square, place);
+      vec3 view = vec3(0.0);
+      vec4 range = VertexEntry(ranges, k * vertex_count + v);
+      if (k < min(terms, corner_terms[j])) view = ReadView(k, v, range, square, place);
+      corner_views[3 * k + j] = range.x * view;
+      corner_bias += range.y * view;
     }
 #else
     view_tile[j] = place;
