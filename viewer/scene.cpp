@@ -15,9 +15,6 @@ namespace lfm {
 namespace {
 
 constexpr size_t kMostBytes = 4000000;
-constexpr size_t kMostModels = 1000;
-constexpr double kMostMillimetres = 1e9;
-constexpr double kLeastScale = 1e-6, kMostScale = 1e6;
 
 std::filesystem::path FileOf(JsonReader& entry, const std::filesystem::path& folder) {
   const std::string text = entry.Text("file");
@@ -35,7 +32,7 @@ Placement PlacementOf(JsonReader& entry) {
   if (entry.Has("translation")) {
     const std::vector<double> t = entry.Numbers("translation", 3);
     placement.world_from_model.translation = {t[0], t[1], t[2]};
-    if (!(placement.world_from_model.translation.cwiseAbs().maxCoeff() <= kMostMillimetres)) {
+    if (!(placement.world_from_model.translation.cwiseAbs().maxCoeff() <= Placement::kFarthestMm)) {
       entry.Fail("translation", "expected no more than 1e9 mm");
     }
   }
@@ -49,7 +46,7 @@ Placement PlacementOf(JsonReader& entry) {
     placement.world_from_model.rotation = rotation.normalized().toRotationMatrix();
   }
   placement.scale = entry.NumberOr("scale", 1);
-  if (!(placement.scale >= kLeastScale && placement.scale <= kMostScale)) {
+  if (!(placement.scale >= Placement::kLeastScale && placement.scale <= Placement::kMostScale)) {
     entry.Fail("scale", "expected a number between 1e-6 and 1e6");
   }
   return placement;

@@ -15,6 +15,9 @@ namespace lfm {
 
 /// Where a model stands in a scene: p_world = world_from_model * (scale * p_model).
 struct Placement {
+  static constexpr double kFarthestMm = 1e9;  ///< of a translation's coordinates
+  static constexpr double kLeastScale = 1e-6, kMostScale = 1e6;
+
   Pose world_from_model;
   double scale = 1;  ///< positive
 
@@ -29,7 +32,8 @@ struct PlacedModel {
   std::shared_ptr<const LightFieldModel> model;
   Placement placement;
 };
-using Scene = std::vector<PlacedModel>;  ///< all of them with a model
+using Scene = std::vector<PlacedModel>;      ///< all of them with a model
+inline constexpr size_t kMostModels = 1000;  ///< of a scene in a file or page
 
 /// The model where it is; it must outlive the scene.
 Scene SceneOf(const LightFieldModel& model);

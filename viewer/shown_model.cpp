@@ -11,7 +11,6 @@ namespace lfm {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMostMillimetres = 1e9, kLeastScale = 1e-6, kMostScale = 1e6;
 
 double Finite(double value) { return std::isfinite(value) ? value : 0; }
 
@@ -24,11 +23,12 @@ Placement PlacementOf(const ShownModel& model) {
   Placement placement;
   placement.world_from_model.rotation = (about(2) * about(1) * about(0)).toRotationMatrix();
   for (int axis = 0; axis < 3; ++axis) {
-    placement.world_from_model.translation[axis] =
-        std::clamp(Finite(model.translation[axis]), -kMostMillimetres, kMostMillimetres);
+    placement.world_from_model.translation[axis] = std::clamp(
+        Finite(model.translation[axis]), -Placement::kFarthestMm, Placement::kFarthestMm);
   }
-  placement.scale =
-      std::isfinite(model.scale) ? std::clamp(model.scale, kLeastScale, kMostScale) : 1;
+  placement.scale = std::isfinite(model.scale)
+                        ? std::clamp(model.scale, Placement::kLeastScale, Placement::kMostScale)
+                        : 1;
   return placement;
 }
 

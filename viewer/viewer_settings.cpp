@@ -78,9 +78,10 @@ void PlaceModel(ViewerState& state, const std::string& text) {
     for (std::string word; words >> word;) {
       const size_t i = numbers.size();
       const auto last = static_cast<double>(state.models.size());
-      numbers.push_back(i == 0   ? ParseNumber(word, 1, last, NumberKind::kWhole)
-                        : i == 7 ? ParseNumber(word, 1e-6, 1e6)
-                                 : ParseNumber(word, -1e9, 1e9));
+      numbers.push_back(i == 0 ? ParseNumber(word, 1, last, NumberKind::kWhole)
+                        : i == 7
+                            ? ParseNumber(word, Placement::kLeastScale, Placement::kMostScale)
+                            : ParseNumber(word, -Placement::kFarthestMm, Placement::kFarthestMm));
     }
   } catch (const Error&) {
     numbers.clear();

@@ -45,8 +45,9 @@ std::string Filled(std::string_view page, std::string_view mark, std::string_vie
 void RequirePlace(const Placement& placement) {
   const Pose& pose = placement.world_from_model;
   const bool readable = pose.rotation.allFinite() && pose.translation.allFinite() &&
-                        pose.translation.cwiseAbs().maxCoeff() <= 1e9 && placement.scale >= 1e-6 &&
-                        placement.scale <= 1e6;
+                        pose.translation.cwiseAbs().maxCoeff() <= Placement::kFarthestMm &&
+                        placement.scale >= Placement::kLeastScale &&
+                        placement.scale <= Placement::kMostScale;
   if (!readable) {
     throw Error("a model stands more than 1e9 mm away, or its scale is not in [1e-6, 1e6]");
   }
@@ -58,7 +59,7 @@ bool IsWhereItIs(const Placement& placement) {
 }
 
 WebScene MakeScene(std::span<const WebModel> models) {
-  if (models.empty() || models.size() > 1000) {
+  if (models.empty() || models.size() > kMostModels) {
     throw Error("pages for browsers hold 1 to 1000 models; divide the scene");
   }
   WebScene scene;
