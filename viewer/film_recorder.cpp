@@ -36,7 +36,7 @@ std::string FilmRecorder::Summary() const {
 std::filesystem::path FreeName(const std::string& prefix, const std::string& suffix) {
   constexpr int kMost = 9999;
   for (int number = 1; number <= kMost; ++number) {
-    char digits[8];
+    char digits[16];
     std::snprintf(digits, sizeof(digits), "%04d", number);
     const std::filesystem::path name = prefix + digits + suffix;
     if (!std::filesystem::exists(name)) return name;
