@@ -39,7 +39,8 @@ std::filesystem::path FreeName(const std::string& prefix, const std::string& suf
     char digits[16];
     std::snprintf(digits, sizeof(digits), "%04d", number);
     const std::filesystem::path name = prefix + digits + suffix;
-    if (!std::filesystem::exists(name)) return name;
+    std::error_code unknown;  // then writing says why
+    if (!std::filesystem::exists(name, unknown)) return name;
   }
   throw Error("this folder is full of " + prefix + "*" + suffix + "; move them away");
 }

@@ -182,7 +182,7 @@ uint32_t GlRenderer::ProgramFor(const GlRenderOptions& options, int pass_kind) c
       constant("direction_map", static_cast<int>(state_->direction_map)) +
       constant("mean_in_terms", state_->mean_in_terms) +
       constant("view_coordinates_per_vertex",
-               options.view_coordinates == ViewCoordinates::kPerVertex) +
+               options.view_coordinates == ViewCoordinates::kPerVertex && whole) +
       constant("wireframe", options.edges == EdgeOverlay::kWireframe && whole);
   GlObject& program = state_->programs[constants];
   if (program.name() == 0) {

@@ -188,15 +188,28 @@ class RowsOfAFrame : public lfm::Progress {
   void Note(std::string_view) override {}
 };
 
-/// A folder that holds a model, but no pages, is somebody's: unless it is the model to be written.
-void RequireNoForeignModel(const std::vector<lfm::SceneEntry>& entries,
-                           const std::filesystem::path& out) {
-  const std::filesystem::path there = out / "model.glb";
+/// Pages replace pages, and nothing else: a file of one of their names in a folder without pages is
+/// somebody's, and what is read is never replaced, but by one model that is written as it was.
+void RequireNothingOfOthers(const std::filesystem::path& model_or_scene,
+                            const std::vector<lfm::SceneEntry>& entries,
+                            const std::filesystem::path& out) {
   std::error_code absent;
-  if (std::filesystem::exists(there) && !std::filesystem::exists(out / "app.js") &&
-      !(entries.size() == 1 && std::filesystem::equivalent(entries.front().file, there, absent))) {
-    throw lfm::Error(there.string() +
-                     " is another model, which --web would replace; name another folder");
+  const bool has_pages = std::filesystem::exists(out / "app.js", absent);
+  std::vector<std::string> names = {"scene.json", "model.glb"};
+  for (size_t i = 2; i <= entries.size(); ++i)
+    names.push_back("model-" + std::to_string(i) + ".glb");
+  for (const std::string& name : names) {
+    const std::filesystem::path there = out / name;
+    if (!std::filesystem::exists(there, absent)) continue;
+    bool is_input = std::filesystem::equivalent(model_or_scene, there, absent);
+    for (const lfm::SceneEntry& entry : entries) {
+      is_input = is_input || std::filesystem::equivalent(entry.file, there, absent);
+    }
+    const bool stays = entries.size() == 1 && is_input && name == "model.glb";
+    if (is_input ? !stays : !has_pages) {
+      throw lfm::Error(there.string() + (is_input ? " is read, and" : " is another model, which") +
+                       " --web would replace; name another folder");
+    }
   }
 }
 
@@ -211,7 +224,7 @@ void WriteForBrowsers(const std::filesystem::path& model_or_scene, const std::fi
   progress.Start("write the pages", 1);
   const std::vector<lfm::SceneEntry> entries = lfm::SceneEntriesOf(model_or_scene);
   const lfm::Scene scene = lfm::ReadScene(entries, progress);
-  RequireNoForeignModel(entries, out);
+  RequireNothingOfOthers(model_or_scene, entries, out);
   std::map<std::filesystem::path, std::string> files;
   std::vector<lfm::WebModel> models;
   for (size_t i = 0; i < entries.size(); ++i) {

@@ -66,13 +66,13 @@ OverlayColors ColorsOfVertices(const LightFieldModel& model,
 }
 
 OverlayColors ColorsOfCounts(const LightFieldModel& model, const std::vector<int>& counts,
-                             const std::string& what) {
-  const CountColors color(counts);
+                             const std::vector<int>& scale, const std::string& what) {
+  const CountColors color(scale);
   std::vector<Eigen::Vector3f> vertices;
   vertices.reserve(counts.size());
   for (const int count : counts) vertices.push_back(color(count));
   OverlayColors colors = ColorsOfVertices(model, vertices);
-  colors.legend = color.Legend(what, std::count(counts.begin(), counts.end(), 0) > 0);
+  colors.legend = color.Legend(what, std::count(scale.begin(), scale.end(), 0) > 0);
   return colors;
 }
 
@@ -114,10 +114,10 @@ OverlayColors GuessedColors(const LightFieldModel& model, const Eigen::Vector3d&
   return colors;
 }
 
-OverlayColors PatchColors(const LightFieldModel& model) {
+OverlayColors PatchColors(const LightFieldModel& model, const std::vector<int>& all_counts) {
   std::vector<int> sizes;
   for (const PatchPlacement& placement : model.placements) sizes.push_back(placement.edge_samples);
-  const CountColors color(sizes);
+  const CountColors color(all_counts.empty() ? sizes : all_counts);
   OverlayColors colors;
   for (const int size : sizes) colors.corners.insert(colors.corners.end(), 3, color(size));
   colors.legend = color.Legend("samples an edge", false);
@@ -134,13 +134,15 @@ OverlayColors ColorsOf(Overlay overlay, const LightFieldModel& model, const Over
       if (data.photographs.size() != model.mesh.vertices.size()) {
         return NotKnown(model, "not known without --work");
       }
-      return ColorsOfCounts(model, data.photographs, "photographs");
+      return ColorsOfCounts(model, data.photographs, data.photographs, "photographs");
     case Overlay::kGuessed:
       return GuessedColors(model, data.eye);
     case Overlay::kTerms:
-      return ColorsOfCounts(model, model.vertex_terms, "terms");
+      return ColorsOfCounts(model, model.vertex_terms,
+                            data.all_counts.empty() ? model.vertex_terms : data.all_counts,
+                            "terms");
     case Overlay::kPatchSizes:
-      return PatchColors(model);
+      return PatchColors(model, data.all_counts);
     case Overlay::kNone:
       break;
   }

@@ -35,6 +35,9 @@ struct OverlayColors {
 struct OverlayData {
   std::vector<int> photographs;  ///< V, for kPhotographs (CountPhotographs); empty: not known
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< in the model's frame, for kGuessed
+  /// Of all models of a scene, for kTerms and kPatchSizes: their scale and legend; empty: this
+  /// one's.
+  std::vector<int> all_counts;
 };
 
 /// Counts are coloured from dark blue over green to yellow (0 is dark red), each different one

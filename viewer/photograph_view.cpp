@@ -5,7 +5,9 @@
 #include <map>
 #include <utility>
 
+#include "core/ply.h"
 #include "viewer/gl_framebuffer.h"
+#include "viewer/reference_renderer.h"
 
 namespace lfm {
 namespace {
@@ -21,35 +23,49 @@ bool ShowsTheSame(const GlRenderOptions& a, const GlRenderOptions& b) {
          a.evaluation.term_alone == b.evaluation.term_alone &&
          a.view_coordinates == b.view_coordinates && a.passes == b.passes &&
          a.tone.exposure_stops == b.tone.exposure_stops && a.tone.curve == b.tone.curve &&
-         a.edges == b.edges;
+         a.background == b.background;
 }
 
+// A rendering as it is shown and as it is judged.
 struct Layers {
-  Image color, coverage;  // 8-bit RGB; 255 where the model covers the pixel wholly
+  Image shown;     ///< over the background
+  Image alone;     ///< the model's colour also where it covers a pixel in part; else black
+  Image coverage;  ///< 255 where it covers the pixel wholly
 };
 
-Layers Split(const Image& rgba) {
-  Layers layers{Image(rgba.width(), rgba.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb),
-                Image(rgba.width(), rgba.height(), 1, PixelType::kUint8, ColorEncoding::kLinear)};
+Layers Split(const Image& rgba, const Eigen::Vector3f& background) {
+  Layers layers;
+  layers.shown = layers.alone =
+      Image(rgba.width(), rgba.height(), 3, PixelType::kUint8, ColorEncoding::kSrgb);
+  layers.coverage =
+      Image(rgba.width(), rgba.height(), 1, PixelType::kUint8, ColorEncoding::kLinear);
   const uint8_t* from = rgba.Data<uint8_t>();
-  uint8_t* color = layers.color.Data<uint8_t>();
+  uint8_t* shown = layers.shown.Data<uint8_t>();
+  uint8_t* alone = layers.alone.Data<uint8_t>();
   uint8_t* coverage = layers.coverage.Data<uint8_t>();
-  for (size_t i = 0; i < layers.coverage.size(); ++i, from += 4, color += 3) {
-    std::copy_n(from, 3, color);
-    coverage[i] = from[3];
+  for (size_t i = 0; i < layers.coverage.size(); ++i, from += 4) {
+    const int alpha = coverage[i] = from[3];
+    for (int c = 0; c < 3; ++c, ++shown, ++alone) {
+      *alone =
+          static_cast<uint8_t>(alpha > 0 ? std::min(255, (from[c] * 255 + alpha / 2) / alpha) : 0);
+      *shown =
+          static_cast<uint8_t>(std::min(255.0f, from[c] + (255 - alpha) * background[c] + 0.5f));
+    }
   }
   return layers;
 }
 
 Layers RenderFor(const GlScene& scene, const Camera& camera, const Pose& camera_from_world,
                  GlRenderOptions options) {
+  const Eigen::Vector3f background = std::exchange(options.background, {0, 0, 0});
   options.background_alpha = 0;
+  options.edges = EdgeOverlay::kNone;
   const GlFramebuffer drawn(camera.width, camera.height, kSamples);
   const GlFramebuffer smooth(camera.width, camera.height, 1);
   drawn.Bind();
   scene.Draw(camera, camera_from_world, options);
   drawn.ResolveInto(smooth);
-  return Split(smooth.Read(4));
+  return Split(smooth.Read(4), background);
 }
 
 // Three pictures in the cells of a grid, row by row, from cell `first` on.
@@ -86,11 +102,14 @@ Arrangement LargestArrangement(int width, int height, int picture_width, int pic
 PhotographView::PhotographView(const std::filesystem::path& work,
                                const std::filesystem::path& capture)
     : capture_(capture) {
-  if (!capture.empty()) {
-    photographs_ = FindPhotographs(work, capture);
+  if (capture.empty()) {
+    for (const auto& [id, camera] : PhotoCameras(work)) photographs_.push_back({id, {}, camera});
     return;
   }
-  for (const auto& [id, camera] : PhotoCameras(work)) photographs_.push_back({id, {}, camera});
+  photographs_ = FindPhotographs(work, capture);
+  const std::filesystem::path surface = work / "mesh" / "surface.ply";
+  std::error_code unknown;
+  if (std::filesystem::exists(surface, unknown)) surface_.emplace(ReadPlyMesh(surface));
 }
 
 const PosedPhotograph* PhotographView::Find(const std::string& id) const {
@@ -105,19 +124,21 @@ void PhotographView::Read(const PosedPhotograph& photograph) {
   read_ = photograph.id;
 }
 
-void PhotographView::Compare(const PosedPhotograph& photograph, const GlScene& scene,
-                             const ViewerState& state) {
-  GlRenderOptions options = MakeGlRenderOptions(state);
+void PhotographView::Compare(const PosedPhotograph& photograph, const Pose& camera_from_world,
+                             const GlScene& scene, const ViewerState& state) {
+  const GlRenderOptions options = MakeGlRenderOptions(state);
   if (compared_ && compared_->id == photograph.id && ShowsTheSame(compared_->options, options)) {
     return;
   }
   Read(photograph);
-  const Layers rendered =
-      RenderFor(scene, picture_.camera, photograph.camera.camera_from_world, options);
-  difference_ = ComparePhotograph(picture_, rendered.color, rendered.coverage, kDifferenceGain);
+  const Layers rendered = RenderFor(scene, picture_.camera, camera_from_world, options);
+  const Image foreground =
+      surface_ ? RenderSilhouette(*surface_, picture_.camera, photograph.camera.camera_from_world)
+               : rendered.coverage;
+  difference_ = ComparePhotograph(picture_, rendered.alone, foreground, kDifferenceGain);
   shown_.clear();
   for (const Image* image :
-       {&std::as_const(picture_.color), &rendered.color, &std::as_const(difference_.picture)}) {
+       {&std::as_const(picture_.color), &rendered.shown, &std::as_const(difference_.picture)}) {
     shown_.emplace_back(*image);
   }
   compared_ = Compared{photograph.id, options};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ray_scene.h"
 #include "viewer/gl_picture.h"
 #include "viewer/gl_scene.h"
 #include "viewer/photographs.h"
@@ -25,9 +26,12 @@ class PhotographView {
   /// None with that id: nullptr.
   const PosedPhotograph* Find(const std::string& id) const;
 
-  /// The scene from the photograph's camera as the state shows it, compared anew where either has
-  /// changed since the last time. Throws Error when the photograph cannot be read.
-  void Compare(const PosedPhotograph& photograph, const GlScene& scene, const ViewerState& state);
+  /// The scene from the photograph's camera (where it stands in the scene) as the state shows it,
+  /// without edges, compared anew where either has changed since the last time: over the silhouette
+  /// of the dense surface (WORK/mesh), never of the model; without one over what the model covers
+  /// wholly. Throws Error when the photograph cannot be read.
+  void Compare(const PosedPhotograph& photograph, const Pose& camera_from_world,
+               const GlScene& scene, const ViewerState& state);
   /// Forgets what it knows of the scene, which has changed.
   void SceneChanged() { compared_.reset(); }
   /// What Compare found.
@@ -45,6 +49,7 @@ class PhotographView {
 
   std::filesystem::path capture_;
   std::vector<PosedPhotograph> photographs_;
+  std::optional<RayScene> surface_;
   std::string read_;  ///< the id of `picture_`
   PinholePicture picture_;
   std::optional<Compared> compared_;

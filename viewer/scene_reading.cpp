@@ -11,6 +11,7 @@ namespace lfm {
 Scene ReadScene(std::span<const SceneEntry> entries, Progress& progress) {
   std::map<std::filesystem::path, std::shared_ptr<const LightFieldModel>> read;
   Scene scene;
+  progress.Start("read the models", static_cast<int64_t>(entries.size()));
   for (const SceneEntry& entry : entries) {
     std::shared_ptr<const LightFieldModel>& model = read[entry.file];
     if (!model) {
@@ -19,6 +20,7 @@ Scene ReadScene(std::span<const SceneEntry> entries, Progress& progress) {
       model = std::make_shared<const LightFieldModel>(std::move(decoded.model));
     }
     scene.push_back({entry.file.filename().string(), model, entry.placement});
+    progress.Advance();
   }
   return scene;
 }

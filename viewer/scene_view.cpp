@@ -27,30 +27,27 @@ bool StandsThere(const Placement& a, const Placement& b) {
 
 }  // namespace
 
-/// What is drawn over the scene's models or in their place.
-struct SceneView::Marks {
-  struct ModelColors {
-    GlCornerColors drawn;
-    std::vector<int> photographs;  ///< CountPhotographs, once it was asked for
-  };
-  GlLines lines;
-  std::vector<ModelColors> models;
-  Overlay overlay = Overlay::kNone;  ///< what `models` show
-  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
-  std::vector<LegendEntry> legend;
-};
-
 SceneView::SceneView(const ViewOptions& options, BlockUse block_use)
-    : options_(options), block_use_(block_use), marks_(std::make_unique<Marks>()) {}
+    : options_(options), block_use_(block_use) {}
 SceneView::~SceneView() = default;
 
 void SceneView::Load(std::vector<SceneEntry> entries, bool keep) {
+  Begin(std::move(entries), keep, false);
+}
+
+void SceneView::Begin(std::vector<SceneEntry> entries, bool keep, bool beside) {
+  if (keep && loader_) {  // what is being read is not lost
+    waiting_.push_back({std::move(entries), beside});
+    return;
+  }
+  if (!keep) waiting_.clear();
   loader_.reset();  // waits for what it is reading
   error_.clear();
+  more_errors_ = 0;
   entries_ = std::move(entries);
   places_.assign(entries_.size(), kNotShown);
   replace_ = !keep;
-  beside_ = false;
+  beside_ = beside;
   loader_ = std::make_unique<ModelLoader>(entries_);
 }
 
@@ -62,11 +59,18 @@ void SceneView::LoadFiles(const std::vector<std::filesystem::path>& files, bool 
     const std::vector<SceneEntry> more = SceneEntriesOf(file);
     entries.insert(entries.end(), more.begin(), more.end());
   }
-  Load(std::move(entries), keep);
-  beside_ = !scenes && (keep || files.size() > 1);
+  Begin(std::move(entries), keep, !scenes && (keep || files.size() > 1));
 }
 
 bool SceneView::Loading() const { return loader_ != nullptr; }
+
+void SceneView::SayFault(const std::string& fault) {
+  if (error_.empty()) {
+    error_ = fault;
+  } else {
+    ++more_errors_;
+  }
+}
 
 void SceneView::ShowPhotographsOf(const std::filesystem::path& work,
                                   const std::filesystem::path& capture) {
@@ -76,49 +80,76 @@ void SceneView::ShowPhotographsOf(const std::filesystem::path& work,
 ViewerState SceneView::TakeArrivals(ViewerState state) {
   if (!loader_) return state;
   bool changed = false;
-  while (auto arrival = loader_->Next()) {
+  if (auto arrival = loader_->Next()) {  // one a frame: the window stays alive
+    const PlacedModel& model = arrival->model;
     if (!arrival->note.empty()) {
-      (arrival->model.model ? state.message : error_) = arrival->note;
-    }
-    if (!arrival->model.model) continue;
-    if (std::exchange(replace_, false)) {
-      scene_.clear();
-      files_.clear();
-      drawn_ = {};
-      state.tape.clear();
-      state.touched = false;
-    }
-    size_t& place = places_[arrival->entry];
-    if (place == kNotShown) {
-      place = scene_.size();
-      if (beside_) {
-        arrival->model.placement = PlaceBeside(scene_, arrival->model.model->mesh);
+      if (model.model) {
+        state.message = arrival->note;
+      } else {
+        SayFault(arrival->note);
       }
-      scene_.emplace_back();
-      files_.push_back(entries_[arrival->entry].file);
-    } else {
-      arrival->model.placement = scene_[place].placement;
     }
-    try {
-      drawn_.Put(place, arrival->model, block_use_);
-    } catch (const Error& error) {  // too large for this graphics card
-      error_ = arrival->model.name + ": " + error.what();
-      if (place == drawn_.size()) {
-        scene_.pop_back();
-        files_.pop_back();
-        place = kNotShown;
+    if (model.model) {
+      try {
+        state = Put(std::move(state), *arrival);
+        changed = true;
+      } catch (const std::exception& error) {  // too large for this graphics card
+        SayFault(model.name + ": " + error.what());
       }
-      continue;
     }
-    scene_[place] = std::move(arrival->model);
-    changed = true;
   }
-  if (loader_->Done()) loader_.reset();
+  if (loader_->Done()) {
+    loader_.reset();
+    if (!waiting_.empty()) {
+      Waiting next = std::move(waiting_.front());
+      waiting_.pop_front();
+      Begin(std::move(next.entries), true, next.beside);
+    }
+  }
   return changed ? Rebuilt(std::move(state)) : state;
+}
+
+ViewerState SceneView::Put(ViewerState state, const ModelLoader::Arrival& arrival) {
+  PlacedModel model = arrival.model;
+  size_t& place = places_[arrival.entry];
+  const size_t there = replace_ ? 0 : place == kNotShown ? scene_.size() : place;
+  if (!replace_ && place != kNotShown) {
+    model.placement = scene_[place].placement;
+  } else if (beside_) {
+    model.placement = PlaceBeside(replace_ ? Scene() : scene_, model.model->mesh);
+  }
+  if (replace_) {
+    GlScene fresh;  // what is shown stays where this fails
+    fresh.Put(0, model, block_use_);
+    drawn_ = std::move(fresh);
+    replace_ = false;
+    scene_.clear();
+    files_.clear();
+    whole_.clear();
+    state.tape.clear();
+    state.touched = false;
+    if (!std::exchange(first_load_, false) && photographs_) {
+      photographs_.reset();
+      state.photograph.clear();
+      state.message = "the photographs were of another model";
+    }
+  } else {
+    drawn_.Put(there, model, block_use_);
+  }
+  if (there == scene_.size()) {
+    scene_.emplace_back();
+    files_.push_back(entries_[arrival.entry].file);
+    whole_.push_back(false);
+  }
+  place = there;
+  scene_[there] = std::move(model);
+  whole_[there] = arrival.whole;
+  return state;
 }
 
 ViewerState SceneView::Show(ViewerState state, const Scene& scene) {
   files_.resize(scene.size());
+  whole_.assign(scene.size(), true);
   loader_.reset();
   error_.clear();
   scene_ = scene;
@@ -129,14 +160,14 @@ ViewerState SceneView::Show(ViewerState state, const Scene& scene) {
 ViewerState SceneView::Rebuilt(ViewerState state) {
   mesh_ = SceneMesh(scene_);
   rays_.reset();
-  marks_->models.clear();
-  marks_->overlay = Overlay::kNone;
-  marks_->legend.clear();
+  overlay_.Clear();
   if (photographs_) photographs_->SceneChanged();
   int terms = 0;
   state.models.clear();
   for (size_t i = 0; i < scene_.size(); ++i) {
     terms = std::max(terms, scene_[i].model->terms);
+    // What terms were wanted is not forgotten while only mean views are there.
+    if (!whole_[i]) terms = std::max(terms, state.model_terms);
     state.models.push_back(ShownAt(scene_[i].name, files_[i], scene_[i].placement));
   }
   return WithScene(std::move(state), mesh_, terms, options_);
@@ -154,6 +185,7 @@ ViewerState SceneView::PlaceModels(ViewerState state) {
   if (!moved) return state;
   mesh_ = SceneMesh(scene_);
   rays_.reset();
+  overlay_.Recolor();
   state.tape.clear();
   if (photographs_) photographs_->SceneChanged();
   state.touched = true;  // nothing jumps while something is moved
@@ -164,12 +196,27 @@ const PosedPhotograph* SceneView::PhotographOf(const ViewerState& state) const {
   return photographs_ ? photographs_->Find(state.photograph) : nullptr;
 }
 
+PosedCamera SceneView::InScene(PosedCamera camera) const {
+  if (scene_.empty()) return camera;
+  const Placement& placement = scene_.front().placement;
+  Pose& pose = camera.camera_from_world;  // lengths by scale: the picture is the same
+  pose.translation *= placement.scale;
+  pose = pose * placement.world_from_model.Inverse();
+  return camera;
+}
+
+std::vector<PosedPhotograph> SceneView::PhotographsInScene() const {
+  std::vector<PosedPhotograph> photographs = photographs_->photographs();
+  for (PosedPhotograph& one : photographs) one.camera = InScene(one.camera);
+  return photographs;
+}
+
 double SceneView::FrustumDepth() const { return kFrustumShare * drawn_.bounds().radius; }
 
 PosedCamera SceneView::CameraOf(const ViewerState& state, PictureSize size) const {
   if (const PosedPhotograph* photograph = PhotographOf(state)) {
     return {CameraInWindow(photograph->camera.camera, size.width, size.height),
-            photograph->camera.camera_from_world};
+            InScene(photograph->camera).camera_from_world};
   }
   return {PinholeCamera(state.camera, size.width, size.height), CameraFromWorld(state.camera)};
 }
@@ -195,9 +242,8 @@ ViewerState SceneView::ApplyClick(ViewerState state, PictureSize size) {
   const auto point = PointUnder(camera, pixel);
   if (click.twice) {
     if (!point) return state;
-    if (PhotographOf(state) != nullptr) {
-      state.camera = OrbitLike(camera.camera, camera.camera_from_world, state.home);
-    }
+    // The click before it was no end of the tape.
+    if (state.tool == Tool::kMeasure && !state.tape.empty()) state.tape.pop_back();
     return FocusOn(std::move(state), *point);
   }
   if (state.tool == Tool::kMeasure) {
@@ -206,63 +252,38 @@ ViewerState SceneView::ApplyClick(ViewerState state, PictureSize size) {
     return state;
   }
   if (state.show_cameras && photographs_) {
-    const int picked = PickFrustum(photographs_->photographs(), FrustumDepth(), camera.camera,
+    const std::vector<PosedPhotograph> photographs = PhotographsInScene();
+    const int picked = PickFrustum(photographs, FrustumDepth(), camera.camera,
                                    camera.camera_from_world, pixel, kClickReach);
-    if (picked >= 0) state.photograph = photographs_->photographs()[picked].id;
+    if (picked >= 0) state.photograph = photographs[picked].id;
   }
   return state;
 }
 
-void SceneView::DrawOverlay(const ViewerState& state, const GlView& view) {
-  Marks& marks = *marks_;
-  if (marks.models.size() != scene_.size()) {
-    marks.models.clear();
-    for (const PlacedModel& placed : scene_) {
-      marks.models.push_back({GlCornerColors(placed.model->mesh), {}});
-    }
+// The model was made without the held-out ones.
+std::vector<int> SceneView::CountUsedPhotographs() const {
+  if (!photographs_) return {};
+  std::vector<PosedCamera> cameras;
+  for (const PosedPhotograph& one : photographs_->photographs()) {
+    if (!one.held_out) cameras.push_back(one.camera);
   }
-  const Eigen::Vector3d eye = view.camera_from_world.Center();
-  const bool stale =
-      marks.overlay != state.overlay || (DependsOnEye(state.overlay) && marks.eye != eye);
-  for (size_t i = 0; i < scene_.size(); ++i) {
-    const PlacedModel& placed = scene_[i];
-    if (stale) {
-      if (state.overlay == Overlay::kPhotographs && photographs_ && i == 0 &&
-          marks.models[i].photographs.empty()) {
-        std::vector<PosedCamera> cameras;
-        for (const PosedPhotograph& one : photographs_->photographs()) {
-          cameras.push_back(one.camera);
-        }
-        marks.models[i].photographs =
-            CountPhotographs(placed.model->mesh, cameras, SilentProgress());
-      }
-      OverlayData data;
-      data.photographs = marks.models[i].photographs;
-      data.eye = placed.placement.world_from_model.Inverse() * eye / placed.placement.scale;
-      const OverlayColors colors = ColorsOf(state.overlay, *placed.model, data);
-      marks.models[i].drawn.SetColors(colors.corners);
-      if (i == 0) marks.legend = colors.legend;
-    }
-    marks.models[i].drawn.DrawInto(view, placed.placement, state.edges == EdgeOverlay::kWireframe);
-  }
-  marks.overlay = state.overlay;
-  marks.eye = eye;
+  return CountPhotographs(scene_.front().model->mesh, cameras, SilentProgress());
 }
 
 void SceneView::DrawLines(const ViewerState& state, const GlView& view) const {
   if (photographs_ && state.show_cameras) {
     std::vector<Eigen::Vector3d> used, held_out;
-    for (const PosedPhotograph& photograph : photographs_->photographs()) {
+    for (const PosedPhotograph& photograph : PhotographsInScene()) {
       if (photograph.id == state.photograph) continue;  // one does not see one's own
       const auto lines = FrustumLines(photograph.camera, FrustumDepth());
       std::vector<Eigen::Vector3d>& list = photograph.held_out ? held_out : used;
       list.insert(list.end(), lines.begin(), lines.end());
     }
-    marks_->lines.DrawInto(view, used, kCameraColor, LineDepth::kFaintBehind);
-    marks_->lines.DrawInto(view, held_out, kHeldOutColor, LineDepth::kFaintBehind);
+    lines_.DrawInto(view, used, kCameraColor, LineDepth::kFaintBehind);
+    lines_.DrawInto(view, held_out, kHeldOutColor, LineDepth::kFaintBehind);
   }
   if (state.tape.size() == 2) {
-    marks_->lines.DrawInto(view, state.tape, kTapeColor, LineDepth::kFaintBehind);
+    lines_.DrawInto(view, state.tape, kTapeColor, LineDepth::kFaintBehind);
   }
   // A cross at each end, as large everywhere in the picture.
   for (const Eigen::Vector3d& end : state.tape) {
@@ -272,7 +293,7 @@ void SceneView::DrawLines(const ViewerState& state, const GlView& view) const {
       cross.push_back(end - arm * Eigen::Vector3d::Unit(axis));
       cross.push_back(end + arm * Eigen::Vector3d::Unit(axis));
     }
-    marks_->lines.DrawInto(view, cross, kTapeColor, LineDepth::kFaintBehind);
+    lines_.DrawInto(view, cross, kTapeColor, LineDepth::kFaintBehind);
   }
 }
 
@@ -286,9 +307,17 @@ ViewerState SceneView::Prepare(ViewerState state) {
     state.message = "there is no photograph " + state.photograph + " with a pose";
     state.photograph.clear();
   }
+  if (const PosedPhotograph* photograph = PhotographOf(state);
+      photograph != nullptr && standing_at_ != photograph->id) {
+    const PosedCamera camera =
+        InScene(photograph->camera);  // what turns, films and paths start from
+    state.camera = OrbitLike(camera.camera, camera.camera_from_world, state.home);
+  }
+  standing_at_ = state.photograph;
   if (!Compares(state)) return state;
   try {
-    photographs_->Compare(*PhotographOf(state), drawn_, state);
+    const PosedPhotograph& photograph = *PhotographOf(state);
+    photographs_->Compare(photograph, InScene(photograph.camera).camera_from_world, drawn_, state);
   } catch (const Error& error) {
     state.message = error.what();
     state.show_photograph = false;
@@ -304,14 +333,15 @@ void SceneView::Draw(const ViewerState& state, PictureSize size) {
   const PosedCamera posed = CameraOf(state, size);
   Sphere bounds = drawn_.bounds();
   if (state.show_cameras && photographs_) {
-    for (const PosedPhotograph& one : photographs_->photographs()) {
+    for (const PosedPhotograph& one : PhotographsInScene()) {
       bounds = SphereAround(bounds, {one.camera.camera_from_world.Center(), 2 * FrustumDepth()});
     }
   }
   const GlView view = ViewOf(bounds, posed.camera, posed.camera_from_world);
   ClearPicture(state.background, 1);
   if (state.overlay != Overlay::kNone) {
-    DrawOverlay(state, view);
+    overlay_.DrawInto(view, scene_, state.overlay, state.edges,
+                      [this] { return CountUsedPhotographs(); });
   } else {
     drawn_.DrawInto(view, MakeGlRenderOptions(state));
   }
@@ -325,6 +355,9 @@ void SceneView::Report(const ViewerState& state, ViewerStatus& status) const {
   status.loading_share = loader_ ? std::min(loader_->Share(), 0.99) : 1;
   status.loading_what = loader_ ? loader_->What() : "";
   status.error = error_;
+  if (more_errors_ > 0) {
+    status.error += " (and " + std::to_string(more_errors_) + " more could not be shown)";
+  }
   status.photographs.clear();
   status.photograph_psnr_db.reset();
   if (photographs_) {
@@ -332,12 +365,12 @@ void SceneView::Report(const ViewerState& state, ViewerStatus& status) const {
       status.photographs.push_back(one.id);
     }
     status.photographs_have_pictures = photographs_->HasPictures();
-    if (Compares(state)) {
+    if (Compares(state) && photographs_->difference().pixels > 0) {
       status.photograph_psnr_db = photographs_->difference().psnr_db;
       status.photograph_held_out = PhotographOf(state)->held_out;
     }
   }
-  status.legend = state.overlay == Overlay::kNone ? std::vector<LegendEntry>() : marks_->legend;
+  status.legend = state.overlay == Overlay::kNone ? std::vector<LegendEntry>() : overlay_.legend();
   status.passes = drawn_.PassCount(MakeGlRenderOptions(state));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "viewer/gl_scene.h"
 #include "viewer/model_loader.h"
 #include "viewer/photograph_view.h"
+#include "viewer/scene_overlay.h"
 #include "viewer/viewer_state.h"
 #include "viewer/viewer_status.h"
 
@@ -54,11 +56,16 @@ class SceneView {
                                             const Eigen::Vector2d& pixel);
 
  private:
-  struct Marks;
   ViewerState Rebuilt(ViewerState state);
-  void DrawOverlay(const ViewerState& state, const GlView& view);
+  ViewerState Put(ViewerState state, const ModelLoader::Arrival& arrival);
+  std::vector<int> CountUsedPhotographs() const;
   void DrawLines(const ViewerState& state, const GlView& view) const;
   const PosedPhotograph* PhotographOf(const ViewerState& state) const;
+  /// The photographs' cameras move with the first model, whose object they show.
+  std::vector<PosedPhotograph> PhotographsInScene() const;
+  PosedCamera InScene(PosedCamera camera) const;
+  void Begin(std::vector<SceneEntry> entries, bool keep, bool beside);
+  void SayFault(const std::string& fault);
   bool Compares(const ViewerState& state) const;
   double FrustumDepth() const;
 
@@ -75,8 +82,19 @@ class SceneView {
   std::optional<RayScene> rays_;  ///< of mesh_, once they are needed
   TriangleMesh mesh_;             ///< of the scene, in the world
   std::unique_ptr<PhotographView> photographs_;
-  std::unique_ptr<Marks> marks_;
+  SceneOverlay overlay_;
+  GlLines lines_;
+  std::string standing_at_;  ///< the photograph that state.camera follows
   std::string error_;
+  size_t more_errors_ = 0;  ///< beside error_
+  /// Joining models that wait until what is being read is there.
+  struct Waiting {
+    std::vector<SceneEntry> entries;
+    bool beside;
+  };
+  std::deque<Waiting> waiting_;
+  std::vector<bool> whole_;  ///< of the scene's models: not only the mean view
+  bool first_load_ = true;
 };
 
 }  // namespace lfm

@@ -2,6 +2,7 @@
 #include "viewer/viewer_app.h"
 
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -162,12 +163,13 @@ class App {
       }
       if (std::exchange(state_.save_scene, false)) SaveScene();
       StartFilm();
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       state_.message = error.what();
     }
   }
 
   void SaveScene() {
+    if (state_.models.empty()) throw Error("there is no model yet to save a scene of");
     std::vector<SceneEntry> entries;
     for (const ShownModel& model : state_.models) {
       entries.push_back({model.file, PlacementOf(model)});
@@ -203,7 +205,7 @@ class App {
     try {
       film_.Record(canvas_->smooth.Read());
       if (film_.Done()) state_.message = film_.Summary();
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       film_.Stop();
       state_.message = error.what();
     }
@@ -219,7 +221,7 @@ class App {
     dropped_any_ = true;
     try {
       scene_->LoadFiles(files, state_.add_dropped);
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       state_.message = error.what();
     }
   }
@@ -308,8 +310,10 @@ void CheckUsage(const std::filesystem::path& model_or_scene, const ViewerOptions
   if (options.work.empty() && !options.capture.empty()) {
     throw Error("--capture is of the photographs of --work; give both");
   }
-  if (!std::filesystem::exists(model_or_scene)) {
-    throw Error("cannot open " + model_or_scene.string() + ": there is no such file");
+  std::error_code problem;
+  if (!std::filesystem::exists(model_or_scene, problem)) {
+    throw Error("cannot open " + model_or_scene.string() + ": " +
+                (problem ? problem.message() : "there is no such file"));
   }
 }
 

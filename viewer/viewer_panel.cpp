@@ -98,7 +98,10 @@ ViewerState LayOutTerms(ViewerState state, const ViewerStatus& status) {
   ImGui::SliderInt("terms  [ ]", &state.terms, 0, state.model_terms);
   Combo("show  M T", "all up to it\0mean view\0this term alone\0", state.shown);
   Combo("passes", "one\0paper's\0paper's, unsigned\0", state.passes);
-  if (state.passes != Passes::kOne) ImGui::Text("%d passes", status.passes);
+  if (state.passes != Passes::kOne) {
+    ImGui::Text("%d passes", status.passes);
+    ImGui::TextDisabled("without tone, edges, term alone");
+  }
   Combo("view coordinates", "a pixel\0a vertex\0maps at corners\0", state.view_coordinates);
   return state;
 }

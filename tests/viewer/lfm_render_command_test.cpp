@@ -333,5 +333,28 @@ TEST_F(LfmRenderCommand, InterruptedItLeavesNoPicture) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+TEST_F(LfmRenderCommand, RendersScenesAndKeepsTheirFiles) {
+  const fs::path room = scratch_.folder / "room";
+  const std::string scene = room / "scene.json";
+  WriteFileAtomically(scene, R"({"models": [{"file": "../model.glb"}, {"file": "../model.glb",
+                                 "translation": [150, 0, 0], "scale": 0.5}]})");
+  const std::string before = ReadFile(scene);
+  for (const char* renderer : {"cpu", "gl"}) {
+    ASSERT_EQ(Run({scene, out_, "--size", "80x60", "--renderer", renderer}).status, 0);
+    EXPECT_EQ(ReadImage(out_).width(), 80);
+    fs::remove(out_);
+  }
+  // Pages never replace what they are made of, nor what is somebody else's.
+  ExpectRefusal({scene, room.string(), "--web"}, {"scene.json", "--web"});
+  EXPECT_EQ(ReadFile(scene), before);
+  const fs::path pages = scratch_.folder / "pages";
+  WriteFileAtomically(pages / "model-2.glb", "somebody's");
+  ExpectRefusal({scene, pages.string(), "--web"}, {"model-2.glb", "--web"});
+  EXPECT_EQ(ReadFile(pages / "model-2.glb"), "somebody's");
+  fs::remove(pages / "model-2.glb");
+  EXPECT_EQ(Run({scene, pages.string(), "--web"}).status, 0);
+  EXPECT_EQ(Run({scene, pages.string(), "--web"}).status, 0) << "pages replace pages";
+}
+
 }  // namespace
 }  // namespace lfm

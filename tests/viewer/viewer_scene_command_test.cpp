@@ -112,5 +112,64 @@ wait 1
   EXPECT_EQ(saved[1].placement.scale, 0.6);
 }
 
+TEST_F(ViewerScriptCommand, WhatIsBeingReadIsNotLostToWhatIsDropped) {
+  for (const char* name : {"a.glb", "b.glb", "c.glb"})
+    fs::copy_file(model_, scratch_.folder / name);
+  const CommandOutcome outcome = Play(R"(
+set add-dropped on
+drop {}/a.glb
+drop {}/b.glb
+drop {}/c.glb
+loaded
+state {}/joined.json
+)");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(State("joined.json").at("models"),
+            nlohmann::json::array({"model.glb", "a.glb", "b.glb", "c.glb"}));
+}
+
+TEST_F(ViewerScriptCommand, TermsAskedForAtTheStartAreShown) {
+  const LightFieldModel model = ReadGlb(model_);
+  const OrbitCamera orbit = MakeOrbitCamera(model.mesh, view_);
+  const std::string lines = "loaded\nstate {}/state.json\nscreenshot {}/picture.png\n";
+  RenderOptions options;
+  ASSERT_EQ(Play(lines, {"--term-alone", "2"}).status, 0);
+  EXPECT_EQ(State("state.json").at("terms"), 2);
+  options.evaluation.term_alone = 1;
+  EXPECT_GE(Psnr(Picture("picture.png"), SceneOf(model), orbit, options), kMinPsnrDb);
+  ASSERT_EQ(Play(lines, {"--terms", "1"}).status, 0);
+  EXPECT_EQ(State("state.json").at("terms"), 1);
+  options.evaluation = {1};
+  EXPECT_GE(Psnr(Picture("picture.png"), SceneOf(model), orbit, options), kMinPsnrDb);
+}
+
+TEST_F(ViewerScriptCommand, OverlaysFollowModelsAndShareTheirScale) {
+  LightFieldModel model = ReadGlb(model_);
+  model.guessed.assign(model.mesh.vertices.size() * ((model.grid * model.grid + 7) / 8), 0);
+  for (size_t v = 0; v < model.mesh.vertices.size(); v += 1) {  // the half at x > 0 is guessed
+    const bool guessed = model.mesh.vertices[v].x() > 10;
+    const size_t bytes = (model.grid * model.grid + 7) / 8;
+    std::fill_n(model.guessed.begin() + v * bytes, bytes, guessed ? 255 : 0);
+  }
+  WriteGlb(model, model_);
+  const CommandOutcome outcome = Play(R"(
+loaded
+set overlay guessed
+wait 1
+screenshot {}/before.png
+set place 1 20 -40 0 0 0 180 1
+wait 1
+screenshot {}/moved.png
+set overlay none
+wait 1
+set overlay guessed
+wait 1
+screenshot {}/again.png
+)");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_FALSE(Picture("before.png").Bytes() == Picture("moved.png").Bytes());
+  EXPECT_EQ(Picture("moved.png").Bytes(), Picture("again.png").Bytes());
+}
+
 }  // namespace
 }  // namespace lfm
