@@ -10,7 +10,11 @@ GlScene::GlScene(const Scene& scene, BlockUse block_use) {
 }
 
 void GlScene::Put(size_t index, const PlacedModel& model, BlockUse block_use) {
-  Item item{GlRenderer(*model.model, block_use), model.placement};
+  Item item{model.model, nullptr, model.placement};
+  for (const Item& other : models_) {
+    if (other.model.lock() == model.model) item.renderer = other.renderer;
+  }
+  if (!item.renderer) item.renderer = std::make_shared<const GlRenderer>(*model.model, block_use);
   if (index < models_.size()) {
     std::swap(models_[index], item);
   } else {
@@ -20,9 +24,9 @@ void GlScene::Put(size_t index, const PlacedModel& model, BlockUse block_use) {
 
 Sphere GlScene::bounds() const {
   if (models_.empty()) return {};
-  Sphere sphere = models_[0].placement * models_[0].renderer.bounds();
+  Sphere sphere = models_[0].placement * models_[0].renderer->bounds();
   for (const Item& item : models_) {
-    sphere = SphereAround(sphere, item.placement * item.renderer.bounds());
+    sphere = SphereAround(sphere, item.placement * item.renderer->bounds());
   }
   return sphere;
 }
@@ -35,12 +39,12 @@ void GlScene::Draw(const Camera& camera, const Pose& camera_from_world,
 }
 
 void GlScene::DrawInto(const GlView& view, const GlRenderOptions& options) const {
-  for (const Item& item : models_) item.renderer.DrawInto(view, item.placement, options);
+  for (const Item& item : models_) item.renderer->DrawInto(view, item.placement, options);
 }
 
 int GlScene::PassCount(const GlRenderOptions& options) const {
   int passes = 0;
-  for (const Item& item : models_) passes += item.renderer.PassCount(options);
+  for (const Item& item : models_) passes += item.renderer->PassCount(options);
   return passes;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "viewer/gl_renderer.h"
@@ -16,7 +17,8 @@ class GlScene {
   /// Uploads all models; they are not needed afterwards. Throws Error as GlRenderer does.
   explicit GlScene(const Scene& scene, BlockUse block_use = BlockUse::kAsTheyAre);
 
-  /// Uploads a model and shows it in the place of number `index`, or, at size(), as one more.
+  /// Uploads a model, unless it is there in another place, and shows it in the place of number
+  /// `index`, or, at size(), as one more.
   void Put(size_t index, const PlacedModel& model, BlockUse block_use);
   /// Moves one that is there.
   void Place(size_t index, const Placement& placement) { models_.at(index).placement = placement; }
@@ -35,7 +37,8 @@ class GlScene {
 
  private:
   struct Item {
-    GlRenderer renderer;
+    std::weak_ptr<const LightFieldModel> model;
+    std::shared_ptr<const GlRenderer> renderer;  ///< of all places where the model stands
     Placement placement;
   };
   std::vector<Item> models_;
