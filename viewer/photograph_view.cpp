@@ -68,9 +68,9 @@ Layers RenderFor(const GlScene& scene, const Camera& camera, const Pose& camera_
   return Split(smooth.Read(4), background);
 }
 
-// Three pictures in the cells of a grid, row by row, from cell `first` on.
+// Three pictures in the cells of a grid, row by row.
 struct Arrangement {
-  int columns, rows, first;
+  int columns, rows;
 };
 
 PixelRectangle CellOf(const Arrangement& grid, int cell, int width, int height) {
@@ -81,12 +81,11 @@ PixelRectangle CellOf(const Arrangement& grid, int cell, int width, int height) 
           std::max(h - kGapPixels, 1.0)};
 }
 
-// With four cells the first stays free: the panel covers it.
 Arrangement LargestArrangement(int width, int height, int picture_width, int picture_height) {
-  Arrangement best{kPictures, 1, 0};
+  Arrangement best{kPictures, 1};
   double largest = 0;
   for (const Arrangement& grid :
-       {Arrangement{kPictures, 1, 0}, Arrangement{2, 2, 1}, Arrangement{1, kPictures, 0}}) {
+       {Arrangement{kPictures, 1}, Arrangement{2, 2}, Arrangement{1, kPictures}}) {
     const double shown =
         FitInto(CellOf(grid, 0, width, height), picture_width, picture_height).width;
     if (shown > largest) {
@@ -144,13 +143,15 @@ void PhotographView::Compare(const PosedPhotograph& photograph, const Pose& came
   compared_ = Compared{photograph.id, options};
 }
 
-void PhotographView::Draw(int width, int height, const Eigen::Vector3f& background) const {
+void PhotographView::Draw(int left, int width, int height,
+                          const Eigen::Vector3f& background) const {
   ClearPicture(background, 1);
   if (shown_.empty()) return;
   const int picture_width = shown_[0].width(), picture_height = shown_[0].height();
-  const Arrangement best = LargestArrangement(width, height, picture_width, picture_height);
+  const Arrangement best = LargestArrangement(width - left, height, picture_width, picture_height);
   for (int i = 0; i < kPictures; ++i) {
-    const PixelRectangle cell = CellOf(best, i + best.first, width, height);
+    PixelRectangle cell = CellOf(best, i, width - left, height);
+    cell.x += left;
     shown_[i].DrawInto(FitInto(cell, picture_width, picture_height), width, height);
   }
 }

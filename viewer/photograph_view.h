@@ -36,9 +36,9 @@ class PhotographView {
   void SceneChanged() { compared_.reset(); }
   /// What Compare found.
   const PhotographDifference& difference() const { return difference_; }
-  /// Draws photograph, rendering and difference, as large as they get, into the bound framebuffer,
-  /// which has width x height pixels and is cleared first.
-  void Draw(int width, int height, const Eigen::Vector3f& background) const;
+  /// Draws photograph, rendering and difference, as large as they get right of column `left`, into
+  /// the bound framebuffer, which has width x height pixels and is cleared first.
+  void Draw(int left, int width, int height, const Eigen::Vector3f& background) const;
 
  private:
   struct Compared {

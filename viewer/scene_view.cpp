@@ -302,6 +302,18 @@ bool SceneView::Compares(const ViewerState& state) const {
          drawn_.size() > 0;
 }
 
+// Whether the eye of any photograph's camera is in a square picture from there.
+bool SceneView::SeesCameras(const ViewerState& state) const {
+  constexpr PictureSize kAnySize = {1000, 1000};
+  const PosedCamera from = CameraOf(state, kAnySize);
+  for (const PosedPhotograph& one : PhotographsInScene()) {
+    const auto pixel =
+        Project(from.camera, from.camera_from_world * one.camera.camera_from_world.Center());
+    if (pixel && from.camera.Contains(*pixel)) return true;
+  }
+  return false;
+}
+
 ViewerState SceneView::Prepare(ViewerState state) {
   if (photographs_ && !state.photograph.empty() && PhotographOf(state) == nullptr) {
     state.message = "there is no photograph " + state.photograph + " with a pose";
@@ -314,6 +326,10 @@ ViewerState SceneView::Prepare(ViewerState state) {
     state.camera = OrbitLike(camera.camera, camera.camera_from_world, state.home);
   }
   standing_at_ = state.photograph;
+  if (state.show_cameras && !cameras_shown_ && photographs_ && !SeesCameras(state)) {
+    state.message = "the cameras stand behind you; scroll out to see them";
+  }
+  cameras_shown_ = state.show_cameras;
   if (!Compares(state)) return state;
   try {
     const PosedPhotograph& photograph = *PhotographOf(state);
@@ -325,9 +341,11 @@ ViewerState SceneView::Prepare(ViewerState state) {
   return state;
 }
 
-void SceneView::Draw(const ViewerState& state, PictureSize size) {
+void SceneView::Draw(const ViewerState& state, PictureSize size, int left) {
   if (Compares(state)) {
-    photographs_->Draw(size.width, size.height, state.background);
+    constexpr double kMostCovered = 0.5;
+    photographs_->Draw(left < kMostCovered * size.width ? left : 0, size.width, size.height,
+                       state.background);
     return;
   }
   const PosedCamera posed = CameraOf(state, size);

@@ -44,8 +44,9 @@ class SceneView {
   ViewerState ApplyClick(ViewerState state, PictureSize size);
   /// What has to be known before a draw; draws elsewhere meanwhile.
   ViewerState Prepare(ViewerState state);
-  /// Draws into the bound framebuffer of that size.
-  void Draw(const ViewerState& state, PictureSize size);
+  /// Draws into the bound framebuffer of that size. What is side by side lies right of column
+  /// `left`, where there is room.
+  void Draw(const ViewerState& state, PictureSize size, int left = 0);
   /// What it knows, into its part of `status`.
   void Report(const ViewerState& state, ViewerStatus& status) const;
 
@@ -64,6 +65,7 @@ class SceneView {
   /// The photographs' cameras move with the first model, whose object they show.
   std::vector<PosedPhotograph> PhotographsInScene() const;
   PosedCamera InScene(PosedCamera camera) const;
+  bool SeesCameras(const ViewerState& state) const;
   void Begin(std::vector<SceneEntry> entries, bool keep, bool beside);
   void SayFault(const std::string& fault);
   bool Compares(const ViewerState& state) const;
@@ -84,7 +86,8 @@ class SceneView {
   std::unique_ptr<PhotographView> photographs_;
   SceneOverlay overlay_;
   GlLines lines_;
-  std::string standing_at_;  ///< the photograph that state.camera follows
+  bool cameras_shown_ = false;  ///< in the last frame
+  std::string standing_at_;     ///< the photograph that state.camera follows
   std::string error_;
   size_t more_errors_ = 0;  ///< beside error_
   /// Joining models that wait until what is being read is there.

@@ -131,7 +131,8 @@ class App {
 
   void DrawScene(const ViewerState& state) {
     canvas_->drawn.Bind();
-    scene_->Draw(state, canvas_->size);
+    scene_->Draw(state, canvas_->size,
+                 static_cast<int>(panel_->CoveredShare() * canvas_->size.width));
     canvas_->drawn.ResolveInto(canvas_->smooth);
   }
 

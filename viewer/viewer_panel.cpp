@@ -213,7 +213,14 @@ void LayOutFrameTimes(const ViewerStatus& status) {
                    1.5f * sorted.back(), ImVec2(220, 60));
 }
 
-ViewerState LayOutPanel(ViewerState state, const ViewerStatus& status, float scale) {
+// Where the panel ends, at the window's left.
+float RightEdge() {
+  const float left = ImGui::GetWindowPos().x, right = left + ImGui::GetWindowWidth();
+  return left < ImGui::GetIO().DisplaySize.x / 4 ? right : 0;
+}
+
+ViewerState LayOutPanel(ViewerState state, const ViewerStatus& status, float scale,
+                        float& right_edge) {
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowBgAlpha(0.8f);
   ImGui::Begin("Light field", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
@@ -249,6 +256,7 @@ ViewerState LayOutPanel(ViewerState state, const ViewerStatus& status, float sca
   if (state.show_frame_times) LayOutFrameTimes(status);
   ImGui::PopItemWidth();
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
+  right_edge = RightEdge();
   ImGui::End();
   return state;
 }
@@ -305,7 +313,9 @@ ViewerState ViewerPanel::Update(ViewerState state, const ViewerStatus& status,
   ImGui::NewFrame();
   const ImGuiIO& io = ImGui::GetIO();
   state = ApplyKeys(ApplyMouse(std::move(state), io), io);
-  if (state.show_panel) state = LayOutPanel(std::move(state), status, scale_);
+  float right_edge = 0;
+  if (state.show_panel) state = LayOutPanel(std::move(state), status, scale_, right_edge);
+  covered_share_ = io.DisplaySize.x > 0 ? right_edge / io.DisplaySize.x : 0;
   LayOutNews(status);
   return state;
 }

@@ -26,9 +26,12 @@ class ViewerPanel {
                      const std::optional<ScriptedInput>& script);
   /// Draws the panel into the bound framebuffer.
   void Draw();
+  /// How much of the window's width the panel takes at its left, [0, 1].
+  double CoveredShare() const { return covered_share_; }
 
  private:
   float scale_;
+  double covered_share_ = 0;
 };
 
 }  // namespace lfm

@@ -98,6 +98,7 @@ class ViewerPhotographsCommand : public testing::Test {
 
 TEST_F(ViewerPhotographsCommand, StandBesideTheRenderingWithTheirDifference) {
   const CommandOutcome outcome = Play(R"(
+key P
 loaded
 set photograph photo_000
 screenshot {}/there.png
