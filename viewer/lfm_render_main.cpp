@@ -155,6 +155,18 @@ void RequirePinholes(const std::vector<Shot>& shots) {
   }
 }
 
+/// That --term-alone names one that there is to see.
+void RequireTerm(const lfm::Scene& scene, const lfm::ViewOptions& view) {
+  if (view.term_alone == 0) return;
+  if (view.mean_only) throw lfm::Error("--term-alone and --mean-only exclude each other; give one");
+  int most = 0;
+  for (const lfm::PlacedModel& placed : scene) most = std::max(most, placed.model->terms);
+  if (view.term_alone > most) {
+    throw lfm::Error("--term-alone " + std::to_string(view.term_alone) + ": there are " +
+                     std::to_string(most) + " terms; choose one of them");
+  }
+}
+
 using RenderFunction = std::function<lfm::Rendering(const lfm::PosedCamera&, lfm::Progress&)>;
 
 /// Either renderer, behind one call.
@@ -278,6 +290,7 @@ int main(int argc, char** argv) {
     render.background = lfm::ParseColor(view.background);
     render.linear_light = std::filesystem::path(out).extension() == ".exr";
     const lfm::Scene scene = lfm::ReadScene(lfm::SceneEntriesOf(model_file), progress);
+    RequireTerm(scene, view);
     const std::vector<Shot> shots = PlanShots(lfm::SceneMesh(scene), view, options, out);
     if (options.renderer == Renderer::kGl) RequirePinholes(shots);
     const RenderFunction renderer = MakeRenderer(scene, options, render);

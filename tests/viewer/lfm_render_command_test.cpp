@@ -333,6 +333,17 @@ TEST_F(LfmRenderCommand, InterruptedItLeavesNoPicture) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+TEST_F(LfmRenderCommand, ShowsATermAloneThatThereIs) {
+  ASSERT_EQ(Run({model_, out_, "--size", "60x50", "--term-alone", "3"}).status, 0);
+  ViewOptions view;
+  view.size = "60x50";
+  EXPECT_FALSE(ReadImage(out_).Bytes() == Expected(OrbitView(view), 16, 2).color.Bytes());
+  fs::remove(out_);
+  ExpectRefusal({model_, out_, "--term-alone", "4"}, {"--term-alone 4", "3 terms"});
+  ExpectRefusal({model_, out_, "--term-alone", "1", "--mean-only"},
+                {"--term-alone", "--mean-only"});
+}
+
 TEST_F(LfmRenderCommand, RendersScenesAndKeepsTheirFiles) {
   const fs::path room = scratch_.folder / "room";
   const std::string scene = room / "scene.json";
