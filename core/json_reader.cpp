@@ -165,7 +165,12 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 }
 
 void WriteJson(const nlohmann::json& json, const std::filesystem::path& file) {
-  WriteFileAtomically(file, json.dump(2) + "\n");
+  try {
+    WriteFileAtomically(file, json.dump(2) + "\n");
+  } catch (const nlohmann::json::type_error&) {  // JSON is UTF-8, names of files may be anything
+    throw Error("cannot write " + file.string() +
+                ": a name in it is not UTF-8; rename that file or folder");
+  }
 }
 
 nlohmann::json PoseToJson(const Pose& pose) {

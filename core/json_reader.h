@@ -50,7 +50,8 @@ class JsonReader {
 nlohmann::json ParseJson(std::string_view text, const std::string& file);
 /// Parses a JSON file of at most 256 MB; Error with line and column when it is malformed.
 nlohmann::json ReadJson(const std::filesystem::path& file);
-/// Indented, keys in order, numbers round-trip; atomic.
+/// Indented, keys in order, numbers round-trip; atomic. Throws Error when it cannot be written, or
+/// a text in it is not UTF-8.
 void WriteJson(const nlohmann::json& json, const std::filesystem::path& file);
 
 /// {"rotation": [w, x, y, z], "translation": [x, y, z]} (mm).

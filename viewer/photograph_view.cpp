@@ -2,7 +2,6 @@
 #include "viewer/photograph_view.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "core/ply.h"

@@ -2,7 +2,6 @@
 #include "viewer/scene_view.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/error.h"
@@ -17,7 +16,7 @@ constexpr double kFrustumShare = 0.2;  // of the scene's radius
 constexpr double kClickReach = 8;      // pixels
 constexpr size_t kNotShown = static_cast<size_t>(-1);
 const Eigen::Vector3f kCameraColor = {0.95f, 0.75f, 0.25f}, kHeldOutColor = {0.35f, 0.8f, 0.95f},
-                      kChosenColor = {1, 1, 1}, kTapeColor = {1, 0.35f, 0.3f};
+                      kTapeColor = {1, 0.35f, 0.3f};
 
 // Angles give a rotation back but for rounding.
 bool StandsThere(const Placement& a, const Placement& b) {
@@ -29,29 +28,28 @@ bool StandsThere(const Placement& a, const Placement& b) {
 
 SceneView::SceneView(const ViewOptions& options, BlockUse block_use)
     : options_(options), block_use_(block_use) {}
-SceneView::~SceneView() = default;
 
-void SceneView::Load(std::vector<SceneEntry> entries, bool keep) {
-  Begin(std::move(entries), keep, false);
+void SceneView::Load(std::vector<SceneEntry> entries) {
+  Begin({std::move(entries), Dropped::kReplaces, false});
 }
 
-void SceneView::Begin(std::vector<SceneEntry> entries, bool keep, bool beside) {
-  if (keep && loader_) {  // what is being read is not lost
-    waiting_.push_back({std::move(entries), beside});
+void SceneView::Begin(Loading load) {
+  if (load.dropped == Dropped::kJoins && loader_) {  // what is being read is not lost
+    waiting_.push_back(std::move(load));
     return;
   }
-  if (!keep) waiting_.clear();
+  if (load.dropped == Dropped::kReplaces) waiting_.clear();
   loader_.reset();  // waits for what it is reading
   error_.clear();
   more_errors_ = 0;
-  entries_ = std::move(entries);
+  entries_ = std::move(load.entries);
   places_.assign(entries_.size(), kNotShown);
-  replace_ = !keep;
-  beside_ = beside;
+  replace_ = load.dropped == Dropped::kReplaces;
+  beside_ = load.beside;
   loader_ = std::make_unique<ModelLoader>(entries_);
 }
 
-void SceneView::LoadFiles(const std::vector<std::filesystem::path>& files, bool keep) {
+void SceneView::LoadFiles(const std::vector<std::filesystem::path>& files, Dropped dropped) {
   std::vector<SceneEntry> entries;
   bool scenes = false;
   for (const std::filesystem::path& file : files) {
@@ -59,10 +57,12 @@ void SceneView::LoadFiles(const std::vector<std::filesystem::path>& files, bool 
     const std::vector<SceneEntry> more = SceneEntriesOf(file);
     entries.insert(entries.end(), more.begin(), more.end());
   }
-  Begin(std::move(entries), keep, !scenes && (keep || files.size() > 1));
+  const bool beside = !scenes && (dropped == Dropped::kJoins || files.size() > 1);
+  Begin({std::move(entries), dropped, beside});
+  others_ = others_ || dropped == Dropped::kReplaces;
 }
 
-bool SceneView::Loading() const { return loader_ != nullptr; }
+bool SceneView::IsReading() const { return loader_ != nullptr; }
 
 void SceneView::SayFault(const std::string& fault) {
   if (error_.empty()) {
@@ -101,9 +101,9 @@ ViewerState SceneView::TakeArrivals(ViewerState state) {
   if (loader_->Done()) {
     loader_.reset();
     if (!waiting_.empty()) {
-      Waiting next = std::move(waiting_.front());
+      Loading next = std::move(waiting_.front());
       waiting_.pop_front();
-      Begin(std::move(next.entries), true, next.beside);
+      Begin(std::move(next));
     }
   }
   return changed ? Rebuilt(std::move(state)) : state;
@@ -128,7 +128,7 @@ ViewerState SceneView::Put(ViewerState state, const ModelLoader::Arrival& arriva
     whole_.clear();
     state.tape.clear();
     state.touched = false;
-    if (!std::exchange(first_load_, false) && photographs_) {
+    if (others_ && photographs_) {
       photographs_.reset();
       state.photograph.clear();
       state.message = "the photographs were of another model";
@@ -366,7 +366,7 @@ void SceneView::Draw(const ViewerState& state, PictureSize size, int left) {
   DrawLines(state, view);
 }
 
-void SceneView::Report(const ViewerState& state, ViewerStatus& status) const {
+ViewerStatus SceneView::Report(const ViewerState& state, ViewerStatus status) const {
   status.models.clear();
   for (const PlacedModel& placed : scene_) status.models.push_back(placed.name);
   status.triangles = mesh_.triangles.size();
@@ -390,6 +390,7 @@ void SceneView::Report(const ViewerState& state, ViewerStatus& status) const {
   }
   status.legend = state.overlay == Overlay::kNone ? std::vector<LegendEntry>() : overlay_.legend();
   status.passes = drawn_.PassCount(MakeGlRenderOptions(state));
+  return status;
 }
 
 }  // namespace lfm

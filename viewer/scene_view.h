@@ -18,19 +18,22 @@
 
 namespace lfm {
 
+/// What dropped files do to what is shown.
+enum class Dropped { kReplaces, kJoins };
+
 /// The scene of the interactive viewer: its models as they arrive, what is drawn over them, and
 /// what lies under the pointer. Needs a current context, the same one for its whole life.
 class SceneView {
  public:
   SceneView(const ViewOptions& options, BlockUse block_use);
-  ~SceneView();
 
-  /// Begins to read these models, in place of what is shown or beside it.
-  void Load(std::vector<SceneEntry> entries, bool keep);
+  /// Begins to read these models, in place of what is shown.
+  void Load(std::vector<SceneEntry> entries);
   /// The same of files as a user drops them: models stand beside one another, scenes as they say.
-  /// Throws Error when a scene file is wrong.
-  void LoadFiles(const std::vector<std::filesystem::path>& files, bool keep);
-  bool Loading() const;
+  /// Those that join wait until what is being read is there. Throws Error when a scene file is
+  /// wrong.
+  void LoadFiles(const std::vector<std::filesystem::path>& files, Dropped dropped);
+  bool IsReading() const;
   /// Shows models that have been read already, in place of what is shown.
   ViewerState Show(ViewerState state, const Scene& scene);
   /// Photographs of the first model's object. Throws Error as PhotographView does.
@@ -48,7 +51,7 @@ class SceneView {
   /// `left`, where there is room.
   void Draw(const ViewerState& state, PictureSize size, int left = 0);
   /// What it knows, into its part of `status`.
-  void Report(const ViewerState& state, ViewerStatus& status) const;
+  ViewerStatus Report(const ViewerState& state, ViewerStatus status) const;
 
   /// The camera that the state shows the scene with.
   PosedCamera CameraOf(const ViewerState& state, PictureSize size) const;
@@ -66,7 +69,13 @@ class SceneView {
   std::vector<PosedPhotograph> PhotographsInScene() const;
   PosedCamera InScene(PosedCamera camera) const;
   bool SeesCameras(const ViewerState& state) const;
-  void Begin(std::vector<SceneEntry> entries, bool keep, bool beside);
+  /// Models to be read.
+  struct Loading {
+    std::vector<SceneEntry> entries;
+    Dropped dropped;
+    bool beside;  ///< placed beside what is there
+  };
+  void Begin(Loading load);
   void SayFault(const std::string& fault);
   bool Compares(const ViewerState& state) const;
   double FrustumDepth() const;
@@ -75,7 +84,7 @@ class SceneView {
   BlockUse block_use_;
   std::unique_ptr<ModelLoader> loader_;
   std::vector<SceneEntry> entries_;  ///< of the loader
-  std::vector<size_t> places_;       ///< of the entries that have arrived, in scene_; else npos
+  std::vector<size_t> places_;       ///< of the entries, in scene_; kNotShown before they arrive
   bool beside_ = false;              ///< the loader's models are placed beside what is there
   bool replace_ = false;             ///< what is shown goes when the first model arrives
   Scene scene_;
@@ -89,15 +98,10 @@ class SceneView {
   bool cameras_shown_ = false;  ///< in the last frame
   std::string standing_at_;     ///< the photograph that state.camera follows
   std::string error_;
-  size_t more_errors_ = 0;  ///< beside error_
-  /// Joining models that wait until what is being read is there.
-  struct Waiting {
-    std::vector<SceneEntry> entries;
-    bool beside;
-  };
-  std::deque<Waiting> waiting_;
-  std::vector<bool> whole_;  ///< of the scene's models: not only the mean view
-  bool first_load_ = true;
+  size_t more_errors_ = 0;       ///< beside error_
+  std::deque<Loading> waiting_;  ///< joining models
+  std::vector<bool> whole_;      ///< of the scene's models: not only the mean view
+  bool others_ = false;          ///< what is shown is not what the photographs were given for
 };
 
 }  // namespace lfm

@@ -63,7 +63,7 @@ class App {
     if (screenshot) {
       state_ = scene_->Show(std::move(state_), read);
     } else {
-      scene_->Load(entries, false);
+      scene_->Load(entries);
     }
   }
 
@@ -94,7 +94,7 @@ class App {
 
   void TakeArrivals() {
     state_ = scene_->TakeArrivals(std::move(state_));
-    scene_->Report(state_, status_);
+    status_ = scene_->Report(state_, std::move(status_));
     // Nobody would read it in the window; what a script drops is its own affair.
     if (script_ && !status_.error.empty() && !dropped_any_) throw Error(status_.error);
   }
@@ -115,7 +115,6 @@ class App {
     if (!canvas_ || canvas_->size.width != size.width || canvas_->size.height != size.height) {
       canvas_ = std::make_unique<Canvas>(size, options_.multisample);
     }
-    scene_->Report(state_, status_);
     status_.film_share = film_.Share();
     state_ = panel_->Update(std::move(state_), status_, hands);
     state_ = scene_->PlaceModels(std::move(state_));
@@ -221,7 +220,7 @@ class App {
   void Open(const std::vector<std::filesystem::path>& files) {
     dropped_any_ = true;
     try {
-      scene_->LoadFiles(files, state_.add_dropped);
+      scene_->LoadFiles(files, state_.add_dropped ? Dropped::kJoins : Dropped::kReplaces);
     } catch (const std::exception& error) {
       state_.message = error.what();
     }
@@ -229,9 +228,9 @@ class App {
 
   void PlayRequest() {
     if (!script_) return;
-    const std::optional<ScriptStep> step = script_->Request(scene_->Loading() || !film_.Done());
+    const std::optional<ScriptStep> step = script_->Request(scene_->IsReading() || !film_.Done());
     if (!step) return;
-    scene_->Report(state_, status_);  // as it was drawn last
+    status_ = scene_->Report(state_, std::move(status_));  // as it was drawn last
     try {
       Play(*step);
     } catch (const Error& error) {
@@ -274,7 +273,7 @@ class App {
 
   // Nothing is drawn while nothing happens.
   void Rest() {
-    if (scene_->Loading() || !film_.Done() || state_.show_frame_times) {
+    if (scene_->IsReading() || !film_.Done() || state_.show_frame_times) {
       awake_ = kFramesAfterEvents;
       return;
     }

@@ -264,6 +264,8 @@ TEST(SceneFile, WritesWhatItReads) {
     EXPECT_EQ(is.world_from_model.translation, was.world_from_model.translation);
     EXPECT_EQ(is.scale, was.scale);
   }
+  entries[1].file = scratch.folder / "caf\xe9.lfz";  // no UTF-8
+  EXPECT_THROW(WriteSceneFile(entries, scratch.folder / "scene.json"), Error);
   WriteFileAtomically(scratch.folder / "a_file", "");
   EXPECT_THROW(WriteSceneFile(entries, scratch.folder / "a_file" / "scene.json"), Error);
 }

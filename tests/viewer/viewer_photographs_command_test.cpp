@@ -7,30 +7,23 @@
 #include <vector>
 
 #include "calib/calib_files.h"
-#include "core/atomic_file.h"
 #include "core/capture.h"
-#include "core/json_reader.h"
-#include "encode/glb.h"
-#include "synthetic_model.h"
-#include "tests/support/run_command.h"
-#include "tests/support/scratch_folder.h"
-#include "viewer/photograph_frusta.h"
-#include "viewer/reference_renderer.h"
-#include "viewer/view_options.h"
+#include "viewer/camera_file.h"
+#include "viewer_script_fixture.h"
 
 namespace lfm {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kLfmViewer = std::string(LFM_BIN_DIR) + "/lfm-viewer";
 
 /// A capture of a model by two cameras whose lens distorts: the photographs are what the reference
 /// renderer makes of them, one of them darker.
-class ViewerPhotographsCommand : public testing::Test {
+class ViewerPhotographsCommand : public ViewerScriptCommand {
  protected:
   void SetUp() override {
-    const LightFieldModel model = MakeSmoothRandomModel(1, DirectionMap::kHemiOctahedral);
-    WriteGlb(model, model_);
+    ViewerScriptCommand::SetUp();
+    view_.size = "600x240";
+    const LightFieldModel model = ReadGlb(model_);
     const ReferenceRenderer renderer(model);
     Camera lens;
     lens.width = 200;
@@ -77,22 +70,11 @@ class ViewerPhotographsCommand : public testing::Test {
     SaveCalib(calib, fs::path(work_) / "calib");
   }
 
-  CommandOutcome Play(std::string lines, const std::vector<std::string>& more) {
-    for (size_t at; (at = lines.find("{}")) != std::string::npos;) {
-      lines.replace(at, 2, scratch_.folder.string());
-    }
-    WriteFileAtomically(scratch_.folder / "script.txt", lines);
-    std::vector<std::string> arguments = {
-        "xvfb-run", "-a",      kLfmViewer,     model_,  "--script", scratch_.folder / "script.txt",
-        "--size",   "600x240", "--background", "000000"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunCommand(arguments);
+  CommandOutcome Play(const std::string& lines, std::vector<std::string> more) {
+    more.insert(more.end(), {"--background", "000000"});
+    return ViewerScriptCommand::Play(lines, std::move(more));
   }
-  nlohmann::json State(const std::string& name) const { return ReadJson(scratch_.folder / name); }
-  Image Picture(const std::string& name) const { return ReadImage(scratch_.folder / name); }
 
-  ScratchFolder scratch_;
-  const std::string model_ = scratch_.folder / "model.glb";
   const std::string work_ = scratch_.folder / "work", capture_ = scratch_.folder / "capture";
 };
 
