@@ -3,7 +3,7 @@
 // antisymmetric: sums over both, apart, give the upper and the lower half of the samples at once.
 #include "encode/map_kernels.h"
 
-#include "encode/lanes.h"
+#include "core/lanes.h"
 
 namespace lfm::kernels {
 namespace {

@@ -4,7 +4,7 @@
 // rather than target_clones: those resolve before the sanitizers are up.
 #include "encode/product_kernels.h"
 
-#include "encode/lanes.h"
+#include "core/lanes.h"
 
 namespace lfm::kernels {
 namespace {

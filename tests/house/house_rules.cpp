@@ -14,11 +14,11 @@ namespace {
 constexpr int64_t kMaxSourceLines = 400, kMaxReadmeLines = 20;
 
 /// From left to right; core/ stands before all of them.
-const std::vector<std::string> kStages = {"calib",  "scan",   "mesh",    "resample",
-                                          "encode", "viewer", "pipeline"};
-const std::set<std::string> kRooms = {"core",        "calib",  "scan",   "mesh",
-                                      "resample",    "encode", "viewer", "pipeline",
-                                      "sample_data", "tests",  "bench"};
+const std::vector<std::string> kStages = {"calib",  "scan",   "mesh",   "resample",
+                                          "fields", "encode", "viewer", "pipeline"};
+const std::set<std::string> kRooms = {"core",     "calib",       "scan",   "mesh",
+                                      "resample", "fields",      "encode", "viewer",
+                                      "pipeline", "sample_data", "tests",  "bench"};
 const std::set<std::string> kSampleDataMayInclude = {"calib/board.h", "scan/patterns.h"};
 const std::set<std::string> kMayKnowGroundTruth = {"sample_data", "pipeline", "tests", "bench"};
 
