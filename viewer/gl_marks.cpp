@@ -103,12 +103,13 @@ void GlCornerColors::SetColors(std::span<const Eigen::Vector3f> corners) {
 }
 
 void GlCornerColors::DrawInto(const GlView& view, const Placement& placement,
-                              bool with_edges) const {
+                              EdgeOverlay edges) const {
   ResetGlState();
   SetMatrix(program_, ClipFromModel(view, placement, bounds_.center));
   const Eigen::Vector3f eye = EyeInModel(view, placement, bounds_.center);
   glUniform3fv(glGetUniformLocation(program_.name(), "eye"), 1, eye.data());
-  glUniform1i(glGetUniformLocation(program_.name(), "with_edges"), with_edges ? 1 : 0);
+  glUniform1i(glGetUniformLocation(program_.name(), "with_edges"),
+              edges == EdgeOverlay::kNone ? 0 : 1);
   glBindVertexArray(array_.name());
   glDrawArrays(GL_TRIANGLES, 0, corner_count_);
   glBindVertexArray(0);

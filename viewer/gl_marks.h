@@ -7,6 +7,7 @@
 
 #include "core/triangle_mesh.h"
 #include "viewer/gl_objects.h"
+#include "viewer/gl_renderer.h"
 #include "viewer/gl_view.h"
 
 namespace lfm {
@@ -19,7 +20,8 @@ class GlCornerColors {
   explicit GlCornerColors(const TriangleMesh& mesh);
   /// 3 T colours, sRGB-coded.
   void SetColors(std::span<const Eigen::Vector3f> corners);
-  void DrawInto(const GlView& view, const Placement& placement, bool with_edges) const;
+  void DrawInto(const GlView& view, const Placement& placement,
+                EdgeOverlay edges = EdgeOverlay::kNone) const;
 
  private:
   Sphere bounds_;

@@ -208,8 +208,10 @@ void RequireNothingOfOthers(const std::filesystem::path& model_or_scene,
   std::error_code absent;
   const bool has_pages = std::filesystem::exists(out / "app.js", absent);
   std::vector<std::string> names = {"scene.json", "model.glb"};
-  for (size_t i = 2; i <= entries.size(); ++i)
+  for (size_t i = 2;; ++i) {  // those beyond are removed
     names.push_back("model-" + std::to_string(i) + ".glb");
+    if (i > entries.size() && !std::filesystem::exists(out / names.back(), absent)) break;
+  }
   for (const std::string& name : names) {
     const std::filesystem::path there = out / name;
     if (!std::filesystem::exists(there, absent)) continue;

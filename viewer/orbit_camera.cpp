@@ -56,7 +56,7 @@ OrbitCamera FrameMesh(const TriangleMesh& mesh, double vertical_fov, double aspe
   const double half_tangent =
       std::tan(vertical_fov / 2) * std::min(1.0, aspect) * (1 - kFramingMargin);
   camera.distance = radius * std::sqrt(1 + 1 / (half_tangent * half_tangent));
-  camera.min_distance = std::min(1.05 * radius, camera.distance);
+  camera.min_distance = std::min(OrbitCamera::kNearest * radius, camera.distance);
   camera.max_distance = std::max(50 * radius, 2 * camera.distance);
   return camera;
 }

@@ -18,6 +18,7 @@ namespace lfm {
 /// its limits, whatever they are given; non-finite changes are ignored.
 struct OrbitCamera {
   static constexpr double kMaxElevation = 89.0 * 3.14159265358979323846 / 180.0;
+  static constexpr double kNearest = 1.05;  ///< least distance, in radii of what is framed
 
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< mm, world
   double azimuth = 0;                                ///< rad, [0, 2 pi)

@@ -117,6 +117,18 @@ TriangleMesh SceneMesh(std::span<const PlacedModel> scene) {
   return mesh;
 }
 
+double SmallestRadius(std::span<const PlacedModel> scene) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const PlacedModel& placed : scene) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& vertex : placed.model->mesh.vertices) box.extend(vertex);
+    if (!box.isEmpty()) {
+      smallest = std::min(smallest, placed.placement.scale * box.diagonal().norm() / 2);
+    }
+  }
+  return std::isfinite(smallest) ? smallest : 0;
+}
+
 Placement PlaceBeside(std::span<const PlacedModel> scene, const TriangleMesh& mesh) {
   Eigen::AlignedBox3d there, added;
   for (const PlacedModel& placed : scene) {

@@ -65,6 +65,10 @@ std::vector<SceneEntry> SceneEntriesOf(const std::filesystem::path& model_or_sce
 /// meshes. Throws Error when they are more than an int counts.
 TriangleMesh SceneMesh(std::span<const PlacedModel> scene);
 
+/// Half the diagonal of the smallest model's bounding box, mm in the world; 0 without a model that
+/// has a vertex.
+double SmallestRadius(std::span<const PlacedModel> scene);
+
 /// Where a model of this mesh stands beside the scene, upright and in its own size: to the right
 /// along x, apart by a tenth of the wider of the two, the lowest points of both on one level and
 /// their middles on one line in y. The identity when either has no vertex.

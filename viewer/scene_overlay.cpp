@@ -38,7 +38,7 @@ void SceneOverlay::DrawInto(const GlView& view, const Scene& scene, Overlay over
     Color(scene, overlay, eye, count_photographs);
   }
   for (size_t i = 0; i < scene.size(); ++i) {
-    models_[i].DrawInto(view, scene[i].placement, edges == EdgeOverlay::kWireframe);
+    models_[i].DrawInto(view, scene[i].placement, edges);
   }
   shown_ = overlay;
   eye_ = eye;

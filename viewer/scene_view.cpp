@@ -170,7 +170,7 @@ ViewerState SceneView::Rebuilt(ViewerState state) {
     if (!whole_[i]) terms = std::max(terms, state.model_terms);
     state.models.push_back(ShownAt(scene_[i].name, files_[i], scene_[i].placement));
   }
-  return WithScene(std::move(state), mesh_, terms, options_);
+  return WithScene(std::move(state), mesh_, terms, options_, SmallestRadius(scene_));
 }
 
 ViewerState SceneView::PlaceModels(ViewerState state) {
@@ -189,7 +189,7 @@ ViewerState SceneView::PlaceModels(ViewerState state) {
   state.tape.clear();
   if (photographs_) photographs_->SceneChanged();
   state.touched = true;  // nothing jumps while something is moved
-  return WithScene(std::move(state), mesh_, state.model_terms, options_);
+  return WithScene(std::move(state), mesh_, state.model_terms, options_, SmallestRadius(scene_));
 }
 
 const PosedPhotograph* SceneView::PhotographOf(const ViewerState& state) const {

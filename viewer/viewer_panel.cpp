@@ -219,11 +219,21 @@ float RightEdge() {
   return left < ImGui::GetIO().DisplaySize.x / 4 ? right : 0;
 }
 
+// A window that was small for a while pushed the panel out over its edges.
+void StayInWindow() {
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  const ImVec2 room = ImGui::GetIO().DisplaySize;
+  if ((at.x < 0 && size.x <= room.x) || (at.y < 0 && size.y <= room.y)) {
+    ImGui::SetWindowPos(ImVec2(std::max(at.x, 0.f), std::max(at.y, 0.f)));
+  }
+}
+
 ViewerState LayOutPanel(ViewerState state, const ViewerStatus& status, float scale,
                         float& right_edge) {
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowBgAlpha(0.8f);
   ImGui::Begin("Light field", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  StayInWindow();
   ImGui::PushItemWidth(kPanelWidth * scale);
   state = LayOutTerms(std::move(state), status);
   if (ImGui::CollapsingHeader("Surface", ImGuiTreeNodeFlags_DefaultOpen)) {

@@ -67,11 +67,15 @@ ViewerState MakeViewerState(const ViewOptions& options) {
 }
 
 ViewerState WithScene(ViewerState state, const TriangleMesh& mesh, int terms,
-                      const ViewOptions& options) {
+                      const ViewOptions& options, double smallest_radius) {
   const bool all = state.terms >= state.model_terms && state.shown != ShownTerms::kOneAlone;
   state.model_terms = terms;
   state.terms = std::clamp(all ? std::min(terms, options.terms) : state.terms, 0, terms);
   state.home = MakeOrbitCamera(mesh, options);
+  if (smallest_radius > 0) {
+    state.home.min_distance =
+        std::min(state.home.min_distance, OrbitCamera::kNearest * smallest_radius);
+  }
   if (!state.touched) {
     state.camera = state.home;
   } else {

@@ -85,9 +85,11 @@ struct ViewerState {
 
 ViewerState MakeViewerState(const ViewOptions& options);
 /// The scene is now of this mesh (world) and has this many terms: a camera that was not touched
-/// frames it as `options` say; all terms are shown where all were before.
+/// frames it as `options` say; all terms are shown where all were before. `smallest_radius`, mm: of
+/// the scene's smallest object, which the eye may come as near to as if it were alone; 0: as near
+/// as the whole mesh allows.
 ViewerState WithScene(ViewerState state, const TriangleMesh& mesh, int terms,
-                      const ViewOptions& options);
+                      const ViewOptions& options, double smallest_radius = 0);
 
 /// What a key or a button asks for.
 enum class ViewerAction {

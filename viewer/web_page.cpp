@@ -97,6 +97,14 @@ std::string SinglePage(const WebScene& scene, const std::string& title) {
   return Filled(page, kTitleMark, EscapeMarkup(title));
 }
 
+// Earlier pages of more models leave some behind, which these pages do not show.
+void RemoveEarlierModels(const WebScene& scene, const std::filesystem::path& folder) {
+  if (scene.json.empty()) std::filesystem::remove(folder / "scene.json");
+  for (size_t i = std::max<size_t>(scene.files.size() + 1, 2);; ++i) {
+    if (!std::filesystem::remove(folder / ("model-" + std::to_string(i) + ".glb"))) return;
+  }
+}
+
 std::string ServedPage(const WebScene& scene, const std::string& title) {
   std::string page(web_bundle::IndexHtml());
   if (!scene.json.empty()) page = Filled(page, kModelName, kSceneName);
@@ -122,6 +130,7 @@ std::string Base64(std::string_view bytes) {
 void WriteWebFolder(std::span<const WebModel> models, const std::string& title,
                     const std::filesystem::path& folder) {
   const WebScene scene = MakeScene(models);
+  const bool had_pages = std::filesystem::exists(folder / "app.js");
   WriteFilesTogether(folder, [&](const std::filesystem::path& files) {
     for (const WebScene::File& file : scene.files) {
       WriteFileAtomically(files / file.name, file.glb);
@@ -131,6 +140,7 @@ void WriteWebFolder(std::span<const WebModel> models, const std::string& title,
     WriteFileAtomically(files / "index.html", ServedPage(scene, title));
     WriteFileAtomically(files / "model.html", SinglePage(scene, title));
   });
+  if (had_pages) RemoveEarlierModels(scene, folder);
 }
 
 void WriteWebFolder(std::string_view glb, const std::string& title,

@@ -25,7 +25,8 @@ struct WebModel {
 ///   scene.json                         where they stand, as ReadSceneFile reads it; not of one
 ///                                      model that stands where it is
 ///
-/// Models of equal bytes are one file. `title` is plain text. All files are written, or none: a
+/// Models of equal bytes are one file. Where earlier pages lie in the folder, models that they had
+/// more go. `title` is plain text. All files are written, or none: a
 /// full disk is an Error (kSystem). The pages fetch nothing else, and scripts of others do not run
 /// in them (Content-Security-Policy). Throws Error when there is no model, more than 1000, or a
 /// placement that ReadSceneFile would refuse.

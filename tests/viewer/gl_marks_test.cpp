@@ -116,7 +116,7 @@ TEST_F(GlMarksTest, CornersColoursAreInterpolatedAndShaded) {
       const TriangleMesh mesh = TriangleAt(view_, placement, corners);
       GlCornerColors marks(mesh);
       marks.SetColors(red_green_blue_);
-      const Image drawn = Drawn([&] { marks.DrawInto(view_, placement, false); });
+      const Image drawn = Drawn([&] { marks.DrawInto(view_, placement); });
       int inside = 0, outside = 0, shaded = 0;
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
@@ -145,7 +145,7 @@ TEST_F(GlMarksTest, AFacingTrianglesCornersHaveTheirColours) {
       {20, 15, depth}, {180, 40, depth}, {90, 145, depth}};
   GlCornerColors marks(TriangleAt(view, {}, corners));
   marks.SetColors(red_green_blue_);
-  const Image drawn = Drawn([&] { marks.DrawInto(view, {}, false); });
+  const Image drawn = Drawn([&] { marks.DrawInto(view, {}); });
   const Eigen::Vector2d middle(290.0 / 3, 200.0 / 3);
   for (int c = 0; c < 3; ++c) {
     const Eigen::Vector2d pixel =
@@ -167,8 +167,8 @@ TEST_F(GlMarksTest, ColoursAreReplacedAndNearerTrianglesHideFartherOnes) {
   first.SetColors(std::vector<Eigen::Vector3f>(3, {0, 1, 0}));
   for (const bool near_first : {true, false}) {
     const Image drawn = Drawn([&] {
-      (near_first ? first : second).DrawInto(view_, {}, false);
-      (near_first ? second : first).DrawInto(view_, {}, false);
+      (near_first ? first : second).DrawInto(view_, {});
+      (near_first ? second : first).DrawInto(view_, {});
     });
     const Eigen::Vector3d codes = CodesAt(drawn, 95, 55);
     EXPECT_GT(codes.y(), 200) << near_first;
@@ -191,8 +191,8 @@ TEST_F(GlMarksTest, EdgesAreDarkAndNothingElseIs) {
   square.triangles = {{0, 1, 2}, {3, 4, 5}};
   GlCornerColors marks(square);
   marks.SetColors(std::vector<Eigen::Vector3f>(6, {1, 1, 1}));
-  const Image without = Drawn([&] { marks.DrawInto(view_, {}, false); });
-  const Image with = Drawn([&] { marks.DrawInto(view_, {}, true); });
+  const Image without = Drawn([&] { marks.DrawInto(view_, {}); });
+  const Image with = Drawn([&] { marks.DrawInto(view_, {}, EdgeOverlay::kWireframe); });
   const auto edge_distance = [&](const Eigen::Vector2d& p) {
     double least = 1e9;
     for (const auto& [i, j] : {std::pair(0, 1), {1, 2}, {2, 3}, {3, 0}, {2, 0}}) {
@@ -226,12 +226,12 @@ TEST_F(GlMarksTest, LinesAreSeenInFrontAndHiddenOrFaintBehind) {
   marks.SetColors(std::vector<Eigen::Vector3f>(3, {1, 1, 1}));
   const GlLines lines;
   const Eigen::Vector3f color(1, 0.4f, 0);
-  const Image plain = Drawn([&] { marks.DrawInto(view_, {}, false); });
+  const Image plain = Drawn([&] { marks.DrawInto(view_, {}); });
   const auto with_line = [&](double depth, LineDepth how) {
     const std::vector<Eigen::Vector3d> ends =
         TriangleAt(view_, {}, {{30, 60, depth}, {190, 60, depth}, {0, 0, 1}}).vertices;
     return Drawn([&] {
-      marks.DrawInto(view_, {}, false);
+      marks.DrawInto(view_, {});
       lines.DrawInto(view_, {ends.data(), 2}, color, how);
     });
   };
@@ -305,9 +305,9 @@ TEST_F(GlMarksTest, APictureInItsSizeKeepsItsPixels) {
   // What stands nearest is covered as well: pictures have no depth.
   GlCornerColors behind(TriangleAt(view_, {}, {{0, 0, 210}, {190, 0, 210}, {0, 150, 210}}));
   behind.SetColors(red_green_blue_);
-  const Image without = Drawn([&] { behind.DrawInto(view_, {}, false); });
+  const Image without = Drawn([&] { behind.DrawInto(view_, {}); });
   const Image drawn = Drawn([&] {
-    behind.DrawInto(view_, {}, false);
+    behind.DrawInto(view_, {});
     picture.DrawInto({40, 15, 29, 23}, kWidth, kHeight);
   });
   for (int y = 0; y < kHeight; ++y) {

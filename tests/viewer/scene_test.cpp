@@ -223,6 +223,14 @@ TEST(Scene, MeshRefusesMoreThanAnIntCounts) {
   EXPECT_THROW(SceneMesh(scene), Error);
 }
 
+TEST(Scene, SmallestRadiusIsThatOfTheModelAsItStands) {
+  const TriangleMesh box = Box({0, 0, 0}, {2, 3, 6});  // a diagonal of 7
+  EXPECT_DOUBLE_EQ(SmallestRadius({}), 0);
+  const std::vector<PlacedModel> scene = {Placed(box, Moved({5, 5, 5}, 4)), Placed({}),
+                                          Placed(Box({0, 0, 0}, {20, 30, 60}))};
+  EXPECT_NEAR(SmallestRadius(scene), 14, 1e-9);
+}
+
 TEST(Scene, BesideIsToTheRight) {
   // 0 to 40 in x, 10 to 30 in y, from -5 in z.
   const std::vector<PlacedModel> scene = {

@@ -17,7 +17,9 @@ constexpr double kMm_abs = 1e-9, kAngle_abs = 1e-12;
 constexpr double kPi = std::numbers::pi;
 const Eigen::Vector3d kCenter(10, -20, 80);
 
-TriangleMesh TestMesh() { return MakeSphere(60, kCenter, 2); }
+constexpr double kMeshRadius = 60;
+
+TriangleMesh TestMesh() { return MakeSphere(kMeshRadius, kCenter, 2); }
 
 ViewerState TestState() {
   return WithScene(MakeViewerState(ViewOptions()), TestMesh(), 3, ViewOptions());
@@ -55,6 +57,19 @@ TEST(ViewerState, StartsAsTheOptionsSay) {
   alone.term_alone = 8;  // more than there are: the last
   state = WithScene(MakeViewerState(alone), TestMesh(), 3, alone);
   EXPECT_EQ(MakeGlRenderOptions(state).evaluation.term_alone, 2);
+}
+
+TEST(ViewerState, ComesAsNearToTheSmallestObjectAsToItAlone) {
+  const auto least_distance = [](double smallest_radius) {
+    ViewerState state =
+        WithScene(MakeViewerState(ViewOptions()), TestMesh(), 3, ViewOptions(), smallest_radius);
+    state.camera = Zoom(state.camera, 1e-9);
+    return state.camera.distance;
+  };
+  const double whole = least_distance(0);
+  EXPECT_NEAR(whole, OrbitCamera::kNearest * kMeshRadius, 0.01 * kMeshRadius);
+  EXPECT_NEAR(least_distance(6), OrbitCamera::kNearest * 6, kMm_abs);
+  EXPECT_EQ(least_distance(10 * kMeshRadius), whole);
 }
 
 TEST(ViewerState, TermsStopAtTheirLimits) {

@@ -74,6 +74,27 @@ TEST(WebPage, HoldsModelAndTitleAndAsksForNothing) {
   EXPECT_NE(ReadFile(folder / "model.html").find(Base64(glb)), std::string::npos);
 }
 
+TEST(WebPage, LeavesNoModelOfEarlierPagesBehind) {
+  const std::string first = "one model", second = "another model", third = "a third";
+  const std::vector<WebModel> models = {{first, {}}, {second, Somewhere()}, {third, Somewhere()}};
+  const ScratchFolder scratch;
+  const auto exists = [&](const char* name) {
+    return std::filesystem::exists(scratch.folder / name);
+  };
+  // What lies in a folder without pages is not ours.
+  WriteFileAtomically(scratch.folder / "model-2.glb", "somebody's");
+  WriteWebFolder(first, "alone", scratch.folder);
+  EXPECT_EQ(ReadFile(scratch.folder / "model-2.glb"), "somebody's");
+
+  WriteWebFolder(models, "three", scratch.folder);
+  WriteWebFolder(std::span(models).first(2), "two", scratch.folder);
+  EXPECT_TRUE(exists("model-2.glb") && exists("scene.json"));
+  EXPECT_FALSE(exists("model-3.glb"));
+  WriteWebFolder(first, "alone", scratch.folder);
+  EXPECT_FALSE(exists("model-2.glb") || exists("scene.json"));
+  EXPECT_TRUE(exists("model.glb") && exists("index.html"));
+}
+
 TEST(WebPage, HoldsASceneWithEachFileOnce) {
   const std::string first = "one model", second = "another model", first_again = first;
   const std::vector<WebModel> models = {
