@@ -9,7 +9,7 @@
 namespace lfm::kernels {
 namespace {
 
-constexpr int kBlock = 64, kPairs = kL1Terms * (kL1Terms + 1) / 2;
+constexpr int kBlock = 64;
 
 // What the loops below are compiled for. A template argument would lose the vector types'
 // alignment; vectors are handed on by reference, since by value they would need an instruction set.
@@ -50,164 +50,139 @@ LFM_INLINE void SumRun(const float* factors, const float* lanes, int count, floa
   for (int k = 0; k < kCount; ++k) Load<L>(sums + k * L::kCount) = sum[k];
 }
 
-template <typename L, int kCount>
-LFM_INLINE void SumShortRun(const float* factors, const float* lanes, int count, int run,
-                            float* sums) {
-  if (run == kCount) {
-    SumRun<L, kCount>(factors, lanes, count, sums);
-  } else if constexpr (kCount > 1) {
-    SumShortRun<L, kCount - 1>(factors, lanes, count, run, sums);
-  }
-}
-
 // One block of columns of the normal equations.
-template <typename L>
+template <typename L, int kTerms>
 LFM_INLINE void SumProducts(const L1Basis& basis, int begin, int count, const float* lanes,
                             float* sums) {
-  const int pairs = basis.terms * (basis.terms + 1) / 2;
+  constexpr int kPairs = kTerms * (kTerms + 1) / 2, kRest = kPairs % kL1Run;
   const float* run = basis.products;
-  int done = 0;
-  for (; done + kL1Run <= pairs; done += kL1Run) {
+  for (int done = 0; done + kL1Run <= kPairs; done += kL1Run) {
     SumRun<L, kL1Run>(run + long{begin} * kL1Run, lanes, count, sums + done * L::kCount);
     run += long{basis.columns} * kL1Run;
   }
-  const int rest = pairs - done;
-  SumShortRun<L, kL1Run>(run + long{begin} * rest, lanes, count, rest, sums + done * L::kCount);
+  if constexpr (kRest > 0) {
+    SumRun<L, kRest>(run + long{begin} * kRest, lanes, count, sums + (kPairs - kRest) * L::kCount);
+  }
 }
 
-template <typename L>
-LFM_INLINE void SumFunctions(const L1Basis& basis, int begin, int count, const float* lanes,
-                             float* sums) {
-  SumShortRun<L, kL1Terms>(basis.functions + long{begin} * basis.terms, lanes, count, basis.terms,
-                           sums);
-}
-
-// The residuals of one block; their magnitudes are added to `error`.
 template <typename L, int kTerms>
-LFM_INLINE void ResidualsOf(const float* functions, const float* targets, const float* weights,
-                            int count, float* residuals, typename L::Vector& error) {
+LFM_INLINE void TotalError(const L1Basis& basis, const float* targets, const float* weights,
+                           typename L::Vector& error) {
+  typename L::Vector weight[kTerms];
+  for (int k = 0; k < kTerms; ++k) weight[k] = Load<L>(weights + k * L::kCount);
+  error = typename L::Vector{};
+  for (int begin = 0; begin < basis.columns; begin += kBlock) {
+    const int end = begin + kBlock < basis.columns ? begin + kBlock : basis.columns;
+    typename L::Vector sum = {};
+    for (int j = begin; j < end; ++j) {
+      typename L::Vector r = Load<L>(targets + long{j} * L::kCount);
+      for (int k = 0; k < kTerms; ++k) r -= basis.functions[long{j} * kTerms + k] * weight[k];
+      sum += r > -r ? r : -r;
+    }
+    error += sum;
+  }
+}
+
+// 1 / max(|r|, least) of one block, and r times that; the magnitudes are added to `error`.
+template <typename L, int kTerms>
+LFM_INLINE void Factors(const float* functions, const float* targets, const float* weights,
+                        int count, const typename L::Vector& least, float* factors, float* signs,
+                        typename L::Vector& error) {
   typename L::Vector weight[kTerms], sum = {};
   for (int k = 0; k < kTerms; ++k) weight[k] = Load<L>(weights + k * L::kCount);
   for (int j = 0; j < count; ++j) {
     typename L::Vector r = Load<L>(targets + j * L::kCount);
     for (int k = 0; k < kTerms; ++k) r -= functions[j * kTerms + k] * weight[k];
-    Load<L>(residuals + j * L::kCount) = r;
-    sum += r < 0 ? -r : r;
+    const typename L::Vector magnitude = r > -r ? r : -r;
+    sum += magnitude;
+    const typename L::Vector factor = 1 / (magnitude > least ? magnitude : least);
+    Load<L>(factors + j * L::kCount) = factor;
+    Load<L>(signs + j * L::kCount) = r * factor;
   }
   error += sum;
 }
 
-template <typename L, int kTerms = kL1Terms>
-LFM_INLINE void Residuals(const L1Basis& basis, int begin, const float* targets,
-                          const float* weights, int count, float* residuals,
-                          typename L::Vector& error) {
-  if (basis.terms == kTerms) {
-    ResidualsOf<L, kTerms>(basis.functions + long{begin} * kTerms, targets, weights, count,
-                           residuals, error);
-  } else if constexpr (kTerms > 1) {
-    Residuals<L, kTerms - 1>(basis, begin, targets, weights, count, residuals, error);
+// The normal equations at `weights`, and the error there.
+template <typename L, int kTerms>
+LFM_INLINE void NormalEquations(const L1Basis& basis, const float* targets, const float* weights,
+                                const typename L::Vector& least, float* gram, float* slope,
+                                typename L::Vector& error) {
+  constexpr int kPairs = kTerms * (kTerms + 1) / 2;
+  float factors[kBlock * L::kCount], signs[kBlock * L::kCount];
+  for (int i = 0; i < kPairs * L::kCount; ++i) gram[i] = 0;
+  for (int i = 0; i < kTerms * L::kCount; ++i) slope[i] = 0;
+  error = typename L::Vector{};
+  for (int begin = 0; begin < basis.columns; begin += kBlock) {
+    const int count = begin + kBlock < basis.columns ? kBlock : basis.columns - begin;
+    const float* functions = basis.functions + long{begin} * kTerms;
+    Factors<L, kTerms>(functions, targets + long{begin} * L::kCount, weights, count, least, factors,
+                       signs, error);
+    SumProducts<L, kTerms>(basis, begin, count, factors, gram);
+    SumRun<L, kTerms>(functions, signs, count, slope);
   }
 }
 
 // gram: the upper triangle, row by row; weights += gram^-1 slope. Directions in which the basis
 // hardly reaches a column that counts are held back.
-template <typename L>
-LFM_INLINE void Step(const float* gram, const float* slope, int terms, float* weights) {
-  constexpr int kLane = L::kCount;
-  typename L::Wide factor[kL1Terms][kL1Terms], inverse[kL1Terms], x[kL1Terms];
+template <typename L, int kTerms>
+LFM_INLINE void Step(const float* gram, const float* slope, float* weights) {
+  typename L::Wide factor[kTerms][kTerms], inverse[kTerms], x[kTerms];
   int pair = 0;
-  for (int i = 0; i < terms; ++i) {
-    for (int k = i; k < terms; ++k, ++pair) {
-      factor[k][i] = __builtin_convertvector(Load<L>(gram + pair * kLane), typename L::Wide);
+  for (int i = 0; i < kTerms; ++i) {
+    for (int k = i; k < kTerms; ++k, ++pair) {
+      factor[k][i] = __builtin_convertvector(Load<L>(gram + pair * L::kCount), typename L::Wide);
     }
-    x[i] = __builtin_convertvector(Load<L>(slope + i * kLane), typename L::Wide);
+    x[i] = __builtin_convertvector(Load<L>(slope + i * L::kCount), typename L::Wide);
   }
-  for (int i = 0; i < terms; ++i) {
+  for (int i = 0; i < kTerms; ++i) {
     const typename L::Wide least = factor[i][i] * 1e-6 + 1e-30;
     for (int l = 0; l < i; ++l) {
       const typename L::Wide scaled = factor[i][l] * inverse[l];
       factor[i][i] -= factor[i][l] * scaled;
-      for (int k = i + 1; k < terms; ++k) factor[k][i] -= factor[k][l] * scaled;
+      for (int k = i + 1; k < kTerms; ++k) factor[k][i] -= factor[k][l] * scaled;
       x[i] -= scaled * x[l];
     }
     inverse[i] = 1 / (factor[i][i] > least ? factor[i][i] : least);
   }
-  for (int i = terms - 1; i >= 0; --i) {
+  for (int i = kTerms - 1; i >= 0; --i) {
     x[i] *= inverse[i];
-    for (int k = i + 1; k < terms; ++k) x[i] -= factor[k][i] * inverse[i] * x[k];
-    Load<L>(weights + i * kLane) += __builtin_convertvector(x[i], typename L::Vector);
+    for (int k = i + 1; k < kTerms; ++k) x[i] -= factor[k][i] * inverse[i] * x[k];
+    Load<L>(weights + i * L::kCount) += __builtin_convertvector(x[i], typename L::Vector);
   }
 }
 
-template <typename L>
-LFM_INLINE void TotalError(const L1Basis& basis, const float* targets, const float* weights,
-                           float* residuals, typename L::Vector& error) {
-  error = typename L::Vector{};
-  for (int begin = 0; begin < basis.columns; begin += kBlock) {
-    const int count = begin + kBlock < basis.columns ? kBlock : basis.columns - begin;
-    Residuals<L>(basis, begin, targets + long{begin} * L::kCount, weights, count, residuals, error);
-  }
-}
-
-// The normal equations at `weights`, and the error there.
-template <typename L>
-LFM_INLINE void NormalEquations(const L1Basis& basis, const float* targets, const float* weights,
-                                const typename L::Vector& least, float* residuals, float* gram,
-                                float* slope, typename L::Vector& error) {
-  constexpr int kLane = L::kCount;
-  float factors[kBlock * kLane];
-  const int pairs = basis.terms * (basis.terms + 1) / 2;
-  for (int i = 0; i < pairs * kLane; ++i) gram[i] = 0;
-  for (int i = 0; i < basis.terms * kLane; ++i) slope[i] = 0;
-  error = typename L::Vector{};
-  for (int begin = 0; begin < basis.columns; begin += kBlock) {
-    const int count = begin + kBlock < basis.columns ? kBlock : basis.columns - begin;
-    Residuals<L>(basis, begin, targets + long{begin} * kLane, weights, count, residuals, error);
-    for (int j = 0; j < count; ++j) {
-      typename L::Vector& r = Load<L>(residuals + j * kLane);
-      const typename L::Vector magnitude = r < 0 ? -r : r;
-      const typename L::Vector factor = 1 / (magnitude > least ? magnitude : least);
-      Load<L>(factors + j * kLane) = factor;
-      r *= factor;
-    }
-    SumProducts<L>(basis, begin, count, factors, gram);
-    SumFunctions<L>(basis, begin, count, residuals, slope);
-  }
-}
-
-template <typename L>
+template <typename L, int kTerms>
 LFM_INLINE void Reweight(const L1Basis& basis, const L1Group& group) {
-  constexpr int kLane = L::kCount;
   constexpr float kFinest = 1e-6F;  // of the targets: float32 knows no smaller residual
-  float gram[kPairs * kLane], slope[kL1Terms * kLane], weights[kL1Terms * kLane];
-  float residuals[kBlock * kLane];
-  const int numbers = basis.terms * kLane;
+  constexpr int kNumbers = kTerms * L::kCount;
+  float gram[kTerms * (kTerms + 1) / 2 * L::kCount], slope[kNumbers], weights[kNumbers];
   float* best_weights = group.weights;
   if (group.from_projection) {
-    for (int i = 0; i < numbers; ++i) best_weights[i] = 0;
+    for (int i = 0; i < kNumbers; ++i) best_weights[i] = 0;
     for (int begin = 0; begin < basis.columns; begin += kBlock) {
       const int count = begin + kBlock < basis.columns ? kBlock : basis.columns - begin;
-      SumFunctions<L>(basis, begin, count, group.targets + long{begin} * kLane, best_weights);
+      SumRun<L, kTerms>(basis.functions + long{begin} * kTerms,
+                        group.targets + long{begin} * L::kCount, count, best_weights);
     }
   }
-  for (int i = 0; i < numbers; ++i) weights[i] = best_weights[i];
+  for (int i = 0; i < kNumbers; ++i) weights[i] = best_weights[i];
   typename L::Vector best, error;
-  TotalError<L>(basis, group.targets, weights, residuals, best);
+  TotalError<L, kTerms>(basis, group.targets, weights, best);
   for (int iteration = 0; iteration <= group.iterations; ++iteration) {
     if (iteration == group.iterations) {
-      TotalError<L>(basis, group.targets, weights, residuals, error);
+      TotalError<L, kTerms>(basis, group.targets, weights, error);
     } else {
       const typename L::Vector part =
           best * (group.smoothing[iteration] / static_cast<float>(basis.columns));
       const typename L::Vector least = part > kFinest ? part : typename L::Vector{} + kFinest;
-      NormalEquations<L>(basis, group.targets, weights, least, residuals, gram, slope, error);
+      NormalEquations<L, kTerms>(basis, group.targets, weights, least, gram, slope, error);
     }
     const auto better = error < best;
     best = better ? error : best;
-    for (int i = 0; i < numbers; i += kLane) {
+    for (int i = 0; i < kNumbers; i += L::kCount) {
       Load<L>(best_weights + i) = better ? Load<L>(weights + i) : Load<L>(best_weights + i);
     }
-    if (iteration < group.iterations) Step<L>(gram, slope, basis.terms, weights);
+    if (iteration < group.iterations) Step<L, kTerms>(gram, slope, weights);
   }
 }
 
@@ -230,15 +205,23 @@ LFM_INLINE void Error(const float* functions, int columns, int terms, const floa
   for (int l = 0; l < kLane; ++l) errors[l] = sum[l];
 }
 
-#define LFM_COMPILE_KERNELS(NAME, TARGET, LANE)                                                 \
+// A function a number of terms: in one of all, the compiler takes most loops for rarely used.
+#define LFM_COMPILE_KERNELS(NAME, TARGET, LANES)                                                \
+  template <int kTerms>                                                                         \
   TARGET void Reweight##NAME(const L1Basis& basis, const L1Group& group) {                      \
-    Reweight<LANE>(basis, group);                                                               \
+    Reweight<LANES, kTerms>(basis, group);                                                      \
   }                                                                                             \
   TARGET void Error##NAME(const float* functions, int columns, int terms, const float* targets, \
                           const float* weights, double* errors) {                               \
-    Error<LANE>(functions, columns, terms, targets, weights, errors);                           \
+    Error<LANES>(functions, columns, terms, targets, weights, errors);                          \
   }                                                                                             \
-  constexpr L1Kernels k##NAME = {LANE::kCount, Reweight##NAME, Error##NAME};
+  constexpr L1Kernels k##NAME = {                                                               \
+      LANES::kCount,                                                                            \
+      {Reweight##NAME<1>, Reweight##NAME<2>, Reweight##NAME<3>, Reweight##NAME<4>,              \
+       Reweight##NAME<5>, Reweight##NAME<6>, Reweight##NAME<7>, Reweight##NAME<8>,              \
+       Reweight##NAME<9>, Reweight##NAME<10>, Reweight##NAME<11>, Reweight##NAME<12>,           \
+       Reweight##NAME<13>, Reweight##NAME<14>, Reweight##NAME<15>, Reweight##NAME<16>},         \
+      Error##NAME};
 
 // Clang 14, which builds the fuzz targets, cannot ask for a level of the instruction set.
 #if defined(__x86_64__) && !defined(__clang__)

@@ -40,8 +40,9 @@ struct L1Group {
 
 struct L1Kernels {
   int lanes = 0;
-  /// Lowers sum |targets - weights functions| in each lane; never ends above the start.
-  void (*reweight)(const L1Basis&, const L1Group&) = nullptr;
+  /// [terms - 1]. Lowers sum |targets - weights functions| in each lane; never ends above the
+  /// start.
+  void (*reweight[kL1Terms])(const L1Basis&, const L1Group&) = {};
   /// errors[lane] = sum |targets - weights functions|, float64; functions columns x terms.
   void (*error)(const float* functions, int columns, int terms, const float* targets,
                 const float* weights, double* errors) = nullptr;

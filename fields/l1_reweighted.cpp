@@ -73,7 +73,20 @@ struct Lanes {
   std::vector<float> weights;  // of the orthonormal functions
 };
 
+// Several sums at once: one would wait for itself.
+double MagnitudeSum(const float* row, int columns) {
+  constexpr int kSums = 8;
+  double sums[kSums] = {};
+  int j = 0;
+  for (; j + kSums <= columns; j += kSums) {
+    for (int k = 0; k < kSums; ++k) sums[k] += std::abs(row[j + k]);
+  }
+  for (; j < columns; ++j) sums[0] += std::abs(row[j]);
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
 void LoadTargets(RowsView targets, int64_t first, Lanes& group) {
+  constexpr int kMostExponent = 126;  // the scale is a float32, too
   const int lanes = group.lanes, columns = targets.columns;
   group.first = first;
   group.count = static_cast<int>(std::min<int64_t>(lanes, targets.rows - first));
@@ -84,13 +97,14 @@ void LoadTargets(RowsView targets, int64_t first, Lanes& group) {
       continue;
     }
     const float* row = targets.Row(first + l);
-    double sum = 0;
-    for (int j = 0; j < columns; ++j) sum += std::abs(row[j]);
+    const double sum = MagnitudeSum(row, columns);
     if (!std::isfinite(sum)) RequireFinite(targets, "L1 targets");
-    if (sum > 0) group.exponent[l] = std::ilogb(sum / columns);
-    const double scale = std::ldexp(1.0, -group.exponent[l]);
+    if (sum > 0) {
+      group.exponent[l] = std::clamp(std::ilogb(sum / columns), -kMostExponent, kMostExponent);
+    }
+    const float scale = std::ldexp(1.0F, -group.exponent[l]);
     for (int j = 0; j < columns; ++j) {
-      group.targets[static_cast<size_t>(j) * lanes + l] = static_cast<float>(row[j] * scale);
+      group.targets[static_cast<size_t>(j) * lanes + l] = row[j] * scale;
     }
   }
 }
@@ -186,8 +200,9 @@ L1Solution SolveReweighted(RowsView basis, RowsView targets, int iterations,
       LoadTargets(targets, first, group);
       if (!start.empty()) LoadStart(start, shared.orthonormal.mixing, group);
       if (shared.orthonormal.Rank() > 0) {
-        kernels.reweight(ViewOf(shared, columns), {group.targets.data(), group.weights.data(),
-                                                   smoothing.data(), iterations, start.empty()});
+        kernels.reweight[shared.orthonormal.Rank() - 1](
+            ViewOf(shared, columns), {group.targets.data(), group.weights.data(), smoothing.data(),
+                                      iterations, start.empty()});
       }
       Store(shared, group, columns, start, kernels, solution);
     }
