@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "fields/light_interpolation.h"
 
 namespace lfm {
 namespace {
@@ -26,31 +27,16 @@ std::vector<float> WeightedColumns(const Field& field, const LightWeights& weigh
 
 }  // namespace
 
-LightWeights NearestLight(const std::vector<Eigen::Vector3d>& to_lights,
-                          const Eigen::Vector3d& to_light) {
-  int nearest = 0;
-  double least = 5;  // more than any chord's square
-  for (size_t i = 0; i < to_lights.size(); ++i) {
-    const double distance = (to_lights[i] - to_light).squaredNorm();
-    if (distance < least) {
-      least = distance;
-      nearest = static_cast<int>(i);
-    }
-  }
-  return {{nearest, 1}};
-}
-
 LightMethod NearestPicture(const Field& train) {
   return {"nearest light", "pictures", ValuesOf(train), [&train](const Eigen::Vector3d& to_light) {
             return WeightedColumns(train, NearestLight(train.directions, to_light));
           }};
 }
 
-LightMethod InterpolatedPictures(
-    const Field& train, const std::function<LightWeights(const Eigen::Vector3d&)>& weights_of) {
+LightMethod InterpolatedPictures(const Field& train) {
   return {"interpolated pictures", "pictures", ValuesOf(train),
-          [&train, weights_of](const Eigen::Vector3d& to_light) {
-            return WeightedColumns(train, weights_of(to_light));
+          [&train](const Eigen::Vector3d& to_light) {
+            return WeightedColumns(train, SphericalWeights(train.directions, to_light));
           }};
 }
 

@@ -25,18 +25,11 @@ struct LightMethod {
   std::function<std::vector<float>(const Eigen::Vector3d& to_light)> predict;
 };
 
-/// How much of each training light makes up a light from elsewhere: number and weight.
-using LightWeights = std::vector<std::pair<int, double>>;
-
-/// The light that is nearest in angle, the first of equals.
-LightWeights NearestLight(const std::vector<Eigen::Vector3d>& to_lights,
-                          const Eigen::Vector3d& to_light);
-
-/// The training pictures themselves: under the nearest light, and weighted by `weights_of`. They
-/// take a byte a value (8-bit pictures without compression). Both refer to `train` later on.
+/// The training pictures themselves: that under the nearest light, and those around weighted
+/// (fields/light_interpolation.h). They take a byte a value (8-bit pictures without compression).
+/// Both refer to `train` later on.
 LightMethod NearestPicture(const Field& train);
-LightMethod InterpolatedPictures(
-    const Field& train, const std::function<LightWeights(const Eigen::Vector3d&)>& weights_of);
+LightMethod InterpolatedPictures(const Field& train);
 
 /// The classic fits of reflectance transformation imaging to the training pictures, in 8 bits a
 /// coefficient (fields/quantized_fit.h).

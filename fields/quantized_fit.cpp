@@ -39,7 +39,12 @@ QuantizedFit QuantizeFit(const LightFit& fit, int channels) {
   if (channels < 1 || from.rows % channels != 0) {
     throw Error("light fit: its rows are not those of " + std::to_string(channels) + " channels");
   }
-  QuantizedFit result{fit.basis, fit.space, fit.frame, from.rows / channels, channels};
+  QuantizedFit result;
+  result.basis = fit.basis;
+  result.space = fit.space;
+  result.frame = fit.frame;
+  result.points = from.rows / channels;
+  result.channels = channels;
   result.bytes.resize(static_cast<size_t>(from.rows) * from.columns);
   for (int t = 0; t < from.columns; ++t) {
     double least = from.rows > 0 ? from.Row(0)[t] : 0, largest = least;
