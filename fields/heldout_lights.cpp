@@ -186,18 +186,19 @@ nlohmann::json LightScoresToJson(const LightScores& scores) {
           {"methods", methods}};
 }
 
-std::string LightScoresToTable(const LightScores& scores) {
+std::string LightFiguresToTable(const nlohmann::json& figures) {
   char line[160];
   std::snprintf(line, sizeof line, "%-30s %12s %8s %7s %7s %9s\n", "", "bytes", "PSNR dB", "SSIM",
                 "APE", "rel. err.");
   std::string table = line;
-  for (const LightMethodScore& score : scores.methods) {
-    std::snprintf(line, sizeof line, "%-30s %12lld", score.name.c_str(),
-                  static_cast<long long>(score.bytes));
+  for (const nlohmann::json& method : figures.at("methods")) {
+    std::snprintf(line, sizeof line, "%-30s %12lld", method.value("name", "").c_str(),
+                  method.value("bytes", 0LL));
     table += line;
-    if (scores.lights > 0) {
-      std::snprintf(line, sizeof line, " %8.2f %7.4f %7.2f %9.5f", score.psnr_db, score.ssim,
-                    score.ape, score.relative_error);
+    if (method.contains("psnr_db")) {
+      std::snprintf(line, sizeof line, " %8.2f %7.4f %7.2f %9.5f", method.value("psnr_db", 0.0),
+                    method.value("ssim", 0.0), method.value("ape", 0.0),
+                    method.value("relative_error", 0.0));
       table += line;
     }
     table += "\n";

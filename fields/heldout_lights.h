@@ -56,7 +56,7 @@ LightScores ScoreLightMethods(const Field& held_out, const Image& mask, double w
 /// {"lights": .., "pixels": .., "white": .., "methods": [{"name": .., "bytes": .., "psnr_db": ..,
 /// ...}]} (docs/formats.md).
 nlohmann::json LightScoresToJson(const LightScores& scores);
-/// The same as lines of text for a terminal.
-std::string LightScoresToTable(const LightScores& scores);
+/// Such figures as lines of text for a terminal.
+std::string LightFiguresToTable(const nlohmann::json& figures);
 
 }  // namespace lfm
