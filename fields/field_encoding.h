@@ -14,20 +14,30 @@ namespace lfm {
 /// What finds clusters and their bases.
 enum class FieldMethod {
   kSparseResidual,  ///< clustered sparse residual factorisation (fields/sparse_clusters.h)
-  kPca,             ///< clustered PCA (fields/clustered_pca.h)
+  kPca,             ///< clustered PCA of a fixed number of clusters (fields/clustered_pca.h)
+  kAdaptivePca,     ///< clusters divided while that pays (fields/adaptive_clusters.h)
 };
 
 struct FieldEncodeOptions {
   FieldMethod method = FieldMethod::kSparseResidual;
-  /// Of clustered PCA: the numbers of clusters, terms and residuals, and the residual threshold.
+  /// Of clustered PCA: the numbers of clusters, terms and residuals, and the residual threshold; of
+  /// adaptive PCA the last two.
   SparseClusterOptions clusters;
+  double energy_share = 0.999;
 
   void Declare(OptionVisitor& v) {
     v.Enumeration({"field-method",
                    "How captures that vary in light are factorised: csrf, clusters of least "
-                   "absolute error (Yamada 2009), or cpca, clustered PCA (Sloan 2003)."},
-                  {"csrf", "cpca"}, method);
+                   "absolute error (Yamada 2009), cpca, clustered PCA (Sloan 2003), or "
+                   "adaptive-cpca, clusters divided while the cost of relighting falls (Mahajan "
+                   "2007)."},
+                  {"csrf", "cpca", "adaptive-cpca"}, method);
     clusters.Declare(v);
+    v.Number(
+        {"energy-share",
+         "Of adaptive-cpca: what a cluster's terms hold of its energy; more terms, less error.", "",
+         0, 1},
+        energy_share);
   }
 };
 
