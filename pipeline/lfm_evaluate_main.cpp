@@ -4,7 +4,10 @@
 
 #include "core/command_line.h"
 #include "core/error.h"
+#include "fields/heldout_lights.h"
 #include "pipeline/evaluation.h"
+#include "pipeline/light_evaluation.h"
+#include "pipeline/light_pipeline.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/truth_record.h"
 
@@ -20,9 +23,11 @@ struct EvaluateOptions {
             "Compare only cameras, points and surfaces with CAPTURE/ground_truth, as far as the "
             "stages have run."},
            geometry);
-    v.Text(
-        {"model", "Score this model, a .glb, .lfz or .wrl file, instead of WORK/encode/model.glb."},
-        model);
+    v.Text({"model",
+            "Score this model, a .glb, .lfz or .wrl file, instead of WORK/encode/model.glb; of "
+            "captures "
+            "that vary in light a .lfr file instead of WORK/encode/model.lfr."},
+           model);
     v.Text({"images",
             "Score this folder's pictures ID.png of the test photographs' cameras "
             "instead of the model."},
@@ -39,6 +44,19 @@ void PrintFigures(const char* group, const nlohmann::json& figures) {
   }
 }
 
+void EvaluateLights(const std::string& capture, const lfm::Workspace& workspace,
+                    const EvaluateOptions& options, lfm::Progress& progress) {
+  if (options.geometry || options.ground_truth || !options.images.empty()) {
+    throw lfm::Error(
+        "--geometry, --ground-truth and --images are for captures of photographs; the pictures of "
+        "held-out lights are the truth of this one");
+  }
+  const nlohmann::json figures =
+      lfm::EvaluateLightWorkspace(capture, workspace, options.model, progress);
+  std::fputs(lfm::LightFiguresToTable(figures).c_str(), stdout);
+  PrintFigures("evaluate", figures);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,8 +70,12 @@ int main(int argc, char** argv) {
   line.Positional("WORK", "Workspace folder that lfm-pipeline filled.", work);
   line.Options(lfm::AnyOptions(options));
   return line.Run(argc, argv, [&](lfm::Progress& progress) {
-    const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     const lfm::Workspace workspace{work};
+    if (lfm::VariesInLight(capture_folder)) {
+      EvaluateLights(capture_folder, workspace, options, progress);
+      return;
+    }
+    const lfm::Capture capture = lfm::LoadCapture(capture_folder);
     if (options.geometry && (options.ground_truth || !options.images.empty())) {
       throw lfm::Error("--geometry compares geometry alone; leave out --ground-truth and --images");
     }

@@ -363,6 +363,7 @@ void RefreshReport(const Capture& capture, const Workspace& workspace, Progress&
 
 PipelineSummary RunPipeline(const fs::path& capture_folder, const PipelineOptions& options,
                             Progress& progress) {
+  if (VariesInLight(capture_folder)) return RunLightPipeline(capture_folder, options, progress);
   const int from = StageIndex(options.from), to = StageIndex(options.to);
   if (from > to) throw Error("--from " + options.from + " lies behind --to " + options.to);
   const Run run{LoadCapture(capture_folder), {options.out}, options, progress};

@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "encode/encode.h"
 #include "mesh/mesh.h"
+#include "pipeline/light_pipeline.h"
 #include "pipeline/stage_cache.h"
 #include "pipeline/workspace.h"
 #include "resample/resample.h"
@@ -29,6 +30,7 @@ struct PipelineOptions {
   MeshOptions mesh;
   ResampleOptions resample;
   EncodeOptions encode;
+  LightPipelineOptions light;
 
   void Declare(OptionVisitor& v) {
     v.Text({"out", "Workspace folder; made when absent."}, out);
@@ -51,7 +53,8 @@ struct PipelineSummary {
 /// Runs the stages of `capture_folder` into `options.out`, from `from` to `to`; a stage whose
 /// inputs and options are unchanged is skipped. A capture that brings cameras, poses and a mesh
 /// skips calibration and scanning. A capture without test photographs gets its report too, without
-/// a score. Throws Error when a stage before `from` has not been run, when the capture lacks what a
+/// a score. A capture that varies in light instead (VariesInLight) goes through RunLightPipeline.
+/// Throws Error when a stage before `from` has not been run, when the capture lacks what a
 /// stage needs, or when another run is at work in the workspace.
 PipelineSummary RunPipeline(const std::filesystem::path& capture_folder,
                             const PipelineOptions& options, Progress& progress);

@@ -7,20 +7,12 @@
 
 #include "core/atomic_file.h"
 #include "core/markup_text.h"
+#include "pipeline/page_style.h"
 
 namespace lfm {
 namespace {
 
 using nlohmann::json;
-
-constexpr const char* kStyle = R"(
-body{font:16px/1.5 system-ui,sans-serif;max-width:1100px;margin:2rem auto;padding:0 1rem;color:#222}
-h1{margin-bottom:.2rem} h2{margin-top:2.5rem;border-bottom:1px solid #ddd}
-.lead{color:#555} table{border-collapse:collapse;margin:.8rem 0}
-td,th{padding:.15rem .8rem .15rem 0;text-align:left;vertical-align:top} td.n{text-align:right;font-variant-numeric:tabular-nums}
-figure{margin:1rem 0} figure img{max-width:100%;border:1px solid #ddd} figcaption{color:#555;font-size:.9rem}
-.key{display:flex;flex-wrap:wrap;gap:1rem;margin:1rem 0} .key div{background:#f4f4f4;border-radius:8px;padding:.6rem 1rem}
-.key b{display:block;font-size:1.4rem} iframe{width:100%;height:min(75vh,600px);border:1px solid #ddd;border-radius:8px} svg text{font:12px system-ui,sans-serif})";
 
 std::string Format(const json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
@@ -195,7 +187,7 @@ void WriteReportPage(const std::string& capture_name, const json& report,
                      EscapeMarkup(capture_name) +
                      " – lfm report</title><meta name=viewport "
                      "content=\"width=device-width\"><style>" +
-                     kStyle + "</style><h1>" + EscapeMarkup(capture_name) +
+                     kPageStyle + "</style><h1>" + EscapeMarkup(capture_name) +
                      "</h1><p class=lead>From photographs and scans to a surface light field.</p>" +
                      KeyFigures(report) + kLiveModel;
   for (const StageText& stage : kStageTexts) {

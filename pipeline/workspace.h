@@ -21,6 +21,8 @@ struct Workspace {
   std::filesystem::path Stage(const char* name) const { return folder / name; }
   std::filesystem::path LightFieldFile() const { return folder / "resample" / "light_field.lfs"; }
   std::filesystem::path ModelFile() const { return folder / "encode" / "model.glb"; }
+  /// Of a capture that varies in light, in place of ModelFile.
+  std::filesystem::path RelightableFile() const { return folder / "encode" / "model.lfr"; }
   std::filesystem::path TruthFile() const { return folder / "truth" / "truth.json"; }
 };
 
