@@ -61,7 +61,7 @@ DimensionCurve CurveOf(const FunctionRows& rows, const NestedPatches& patches,
   DimensionCurve curve;
   curve.center = patches.center;
   const FunctionRows gathered = GatherRows(rows.View(), patches.points);
-  int64_t expected = 0;
+  int expected = 0;
   for (const int64_t size : patches.sizes) {
     const RowsView patch{gathered.values.data(), size, gathered.columns, gathered.stride};
     expected = DimensionOf(patch, options.energy_share, expected);
