@@ -119,6 +119,14 @@ bool AddSubspaceTerms(RowsView a, const TermsOptions& options, Functions functio
   return true;
 }
 
+// Whether all eigenvalues are found at once.
+bool UsesGram(int64_t side, const TermsOptions& options) {
+  if (options.method != TermsMethod::kAutomatic) return options.method == TermsMethod::kExact;
+  constexpr int64_t kShort = 400, kFew = 8;
+  if (side <= kShort) return side < kFew * options.max_terms;
+  return options.energy_share >= 1 && options.max_terms > side / 3;
+}
+
 MatrixTerms LeadingTerms(RowsView a, const TermsOptions& options, Functions functions) {
   CheckOptions(options);
   MatrixTerms result;
@@ -133,13 +141,8 @@ MatrixTerms LeadingTerms(RowsView a, const TermsOptions& options, Functions func
   }
   result.functions = MakeFunctionRows(0, a.columns);
   if (result.energy <= 0 || options.max_terms == 0 || options.energy_share <= 0) return result;
-  constexpr int64_t kShort = 400;
-  const int64_t side = std::min<int64_t>(a.rows, a.columns);
-  const bool exact =
-      options.method == TermsMethod::kExact ||
-      (options.method == TermsMethod::kAutomatic &&
-       (side <= kShort || (options.energy_share >= 1 && options.max_terms > side / 3)));
-  if (exact || !AddSubspaceTerms(a, options, functions, result)) {
+  if (UsesGram(std::min<int64_t>(a.rows, a.columns), options) ||
+      !AddSubspaceTerms(a, options, functions, result)) {
     AddExactTerms(a, options, functions, result);
   }
   return result;
