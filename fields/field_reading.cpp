@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/matrix_room.h"
 #include "fields/picture_window.h"
 
 namespace lfm {
@@ -81,6 +82,10 @@ void RequireSameChannels(const Channels& channels, int count, const std::string&
               "; save all pictures in gray or all in RGB");
 }
 
+void RequireRoomOfPictures(int64_t rows, int64_t columns, const std::string& name) {
+  RequireRoom(rows, columns, name, "or read less with field-reduce or a crop");
+}
+
 struct ReadMatrix {
   Field field;
   std::vector<std::string> files;
@@ -102,6 +107,8 @@ ReadMatrix ReadPictures(const Source& source, const std::vector<const LitPicture
     result.files.push_back(picture->file);
   }
   const int count = static_cast<int>(pictures.size());
+  // Before pictures are read that are in vain.
+  RequireRoomOfPictures(field.points, count, field.name);
   for (int first = 0; first < count; first += FunctionRows::kLane) {
     const int batch = std::min(FunctionRows::kLane, count - first);
     std::vector<PictureColumn> columns(static_cast<size_t>(batch));
@@ -114,7 +121,10 @@ ReadMatrix ReadPictures(const Source& source, const std::vector<const LitPicture
     if (channels.count == 0) {
       channels = {columns.front().channels, source.Name(pictures.front()->file)};
     }
-    if (first == 0) field.functions = MakeFunctionRows(field.points * channels.count, count);
+    if (first == 0) {
+      RequireRoomOfPictures(field.points * channels.count, count, field.name);
+      field.functions = MakeFunctionRows(field.points * channels.count, count);
+    }
     for (int i = 0; i < batch; ++i) {
       const size_t index = static_cast<size_t>(i);
       RequireSameChannels(channels, columns[index].channels,

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/ply.h"
 #include "core/transport_matrix.h"
+#include "fields/matrix_room.h"
 
 namespace lfm {
 namespace {
@@ -137,6 +138,8 @@ Field ReadTransportField(const Capture& capture, const std::vector<int64_t>& whi
   for (int t = 0; t < cube.Texels(); ++t) {
     field.directions.push_back(cube.Point(t, 0.5F, 0.5F).cast<double>().normalized());
   }
+  RequireRoom(field.points * field.channels, shape.columns(), file,
+              "or read some of its points only");
   field.functions =
       MakeFunctionRows(field.points * field.channels, static_cast<int>(shape.columns()));
   progress.Start("reading light transport", field.points);

@@ -8,6 +8,7 @@
 #include "core/cube_map.h"
 #include "core/image.h"
 #include "core/parallel.h"
+#include "fields/matrix_room.h"
 
 namespace lfm {
 namespace {
@@ -170,6 +171,8 @@ Field EmptyField(const LightField& light_field, const VertexFunctionOptions& opt
   }
   field.points = static_cast<int64_t>(field.positions.size());
   field.directions = DirectionsOf(light_field, options);
+  RequireRoom(field.points * kChannels, static_cast<int64_t>(field.directions.size()), field.name,
+              "or take a smaller view-grid or vertex-cube");
   field.functions =
       MakeFunctionRows(field.points * kChannels, static_cast<int>(field.directions.size()));
   return field;

@@ -57,7 +57,7 @@ struct VertexFunctions {
 /// Takes 13 bytes x vertices x columns, padded; parallel over vertices, deterministic. Extremes: a
 /// vertex of no triangle, or of triangles that nobody saw, has zero rows, is listed, and is 0 in
 /// the field's mask; imputed values exceed 1. Throws Error when an option or the matrix's size is
-/// out of range.
+/// out of range, or the machine has not the memory.
 VertexFunctions ReadVertexFunctions(const LightField& light_field,
                                     const VertexFunctionOptions& options, Progress& progress);
 

@@ -241,6 +241,14 @@ TEST(FieldReading, RepeatedAndLowLightsAreNotedAndKept) {
   EXPECT_NE(progress.notes().find("3 of 5 lights lie below the horizon"), std::string::npos);
 }
 
+TEST(FieldReading, MatricesThatCannotBeHeldAreRefusedBeforePicturesAreRead) {
+  MemoryField made(65536, 65536);
+  for (int light = 0; light < 10000; ++light) {
+    made.capture.reflectance_field->pictures.push_back({"none.exr", {0, 0, 1}, PhotoSplit::kTrain});
+  }
+  ExpectErrorWith({"made", "MiB", "field-reduce"}, [&] { made.Read(); });
+}
+
 TEST(FieldReading, WhatDoesNotFitTogetherIsNamed) {
   MemoryField made(2, 2);
   const Image gray = CodedPicture(0, 2, 2, 1);
