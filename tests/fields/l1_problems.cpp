@@ -31,7 +31,7 @@ Eigen::Vector3d UpperDirection(Uniform& uniform) {
 
 SpikedLowRank MakeSpikedLowRank(int rows, int columns, int terms, double spikes, uint32_t seed) {
   Uniform uniform(seed);
-  SpikedLowRank result{MakeFunctionRows(rows, columns), MakeFunctionRows(terms, columns)};
+  SpikedLowRank result{MakeFunctionRows(rows, columns), MakeFunctionRows(terms, columns), 0};
   for (int t = 0; t < terms; ++t) {
     for (int j = 0; j < columns; ++j) result.basis.Row(t)[j] = static_cast<float>(uniform());
   }
@@ -40,6 +40,7 @@ SpikedLowRank MakeSpikedLowRank(int rows, int columns, int terms, double spikes,
     for (double& weight : weights) weight = uniform();
     for (int j = 0; j < columns; ++j) {
       double value = uniform() < spikes ? uniform(-1, 1) : 0;
+      result.spike_error += std::abs(value);
       for (int t = 0; t < terms; ++t) value += weights[t] * result.basis.Row(t)[j];
       result.matrix.Row(i)[j] = static_cast<float>(value);
     }

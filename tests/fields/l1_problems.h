@@ -13,6 +13,7 @@ namespace lfm {
 /// for a part `spikes` of its entries, uniform in [-1, 1).
 struct SpikedLowRank {
   FunctionRows matrix, basis;
+  double spike_error = 0;  ///< sum |E|
 };
 SpikedLowRank MakeSpikedLowRank(int rows, int columns, int terms, double spikes, uint32_t seed);
 
