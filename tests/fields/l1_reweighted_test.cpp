@@ -104,6 +104,14 @@ TEST(L1Reweighted, IsNeverWorseThanItsStart) {
   EXPECT_LE(Sum(still.errors), L1Error(problem.basis.View(), far, problem.matrix.View()));
 }
 
+TEST(L1Reweighted, AnAbsurdStartDoesNoHarm) {
+  const SpikedLowRank problem = MakeSpikedLowRank(10, 60, 4, 0.1, 4);
+  const double plain = Sum(SolveL1(problem.basis.View(), problem.matrix.View(), {}).errors);
+  const std::vector<float> absurd(40, 1e38F);
+  const L1Solution found = SolveL1(problem.basis.View(), problem.matrix.View(), {}, absurd);
+  EXPECT_NEAR(Sum(found.errors), plain, 0.01 * plain);
+}
+
 TEST(L1Reweighted, AStartNearbySavesIterations) {
   const FunctionRows targets = MakeReflectanceLike(40, 253, 5);
   const FunctionRows basis = LeadingFunctions(targets.View(), 4);
