@@ -13,8 +13,9 @@ namespace lfm {
 ///
 ///   max b.y - |y|^2 / 2  s.t.  functions y = 0, |y_j| <= gamma
 ///
-/// whose y is the paper's E. `functions` are independent, numbers about 1, gamma > 0. The gradient
-/// functions rho' is below 1e-9 gamma m at the end; throws Error when rounding prevents it.
+/// whose y is the paper's E; then Newton's method for the residuals that are within gamma.
+/// `functions` are independent, numbers about 1, gamma > 0. Throws Error when rounding leaves a
+/// slope |sum_j functions_j rho'(r_j)| above 1e-6 gamma sum |functions|.
 Eigen::VectorXd SolveHuberProgramme(const Eigen::MatrixXd& functions, const Eigen::VectorXd& target,
                                     double gamma);
 

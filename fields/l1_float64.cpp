@@ -18,11 +18,6 @@
 namespace lfm {
 namespace {
 
-Eigen::VectorXd Need(const std::optional<Eigen::VectorXd>& weights, int64_t row) {
-  if (weights) return *weights;
-  throw Error("L1: no weights leave a positive residual of row " + std::to_string(row));
-}
-
 Eigen::VectorXd SolveOneSided(const Eigen::MatrixXd& functions, const Eigen::VectorXd& target,
                               const L1Options& options, int64_t row) {
   if (options.solver == L1Solver::kQuadraticProgramme) {
@@ -32,7 +27,10 @@ Eigen::VectorXd SolveOneSided(const Eigen::MatrixXd& functions, const Eigen::Vec
     // Where it gives up, the programme says whether there are none.
     if (const auto vertex = DescendOneSided(functions, target)) return vertex->weights;
   }
-  return Need(SolveLinearProgramme(functions, target, ResidualSign::kPositive), row);
+  if (const auto weights = SolveLinearProgramme(functions, target, ResidualSign::kPositive)) {
+    return *weights;
+  }
+  throw Error("L1: no weights leave a positive residual of row " + std::to_string(row));
 }
 
 Eigen::VectorXd SolveRow(const Eigen::MatrixXd& functions, const Eigen::VectorXd& target,
@@ -46,7 +44,7 @@ Eigen::VectorXd SolveRow(const Eigen::MatrixXd& functions, const Eigen::VectorXd
   if (options.solver == L1Solver::kExact) {
     if (const auto vertex = DescendEdges(functions, target, start)) return vertex->weights;
   }
-  return Need(SolveLinearProgramme(functions, target, ResidualSign::kAny), row);
+  return SolveLinearProgramme(functions, target, ResidualSign::kAny).value();
 }
 
 double StoredError(RowsView basis, const float* weights, const float* target) {

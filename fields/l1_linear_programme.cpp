@@ -61,6 +61,32 @@ Programme BuildProgramme(const Eigen::MatrixXd& functions, const Eigen::VectorXd
   return programme;
 }
 
+// Where x is 0 and the residual is the target: feasible, unless a sign is wrong.
+void StartAtZero(glp_prob& programme, const Eigen::VectorXd& target, int terms) {
+  const int rows = static_cast<int>(target.size());
+  const bool two_sided = glp_get_num_cols(&programme) > terms + rows;
+  for (int t = 0; t < terms; ++t) glp_set_col_stat(&programme, t + 1, GLP_NF);
+  for (int j = 0; j < rows; ++j) {
+    const bool below = two_sided && target[j] < 0;
+    glp_set_row_stat(&programme, j + 1, GLP_NS);
+    glp_set_col_stat(&programme, terms + j + 1, below ? GLP_NL : GLP_BS);
+    if (two_sided) glp_set_col_stat(&programme, terms + rows + j + 1, below ? GLP_BS : GLP_NL);
+  }
+}
+
+// The status reached. From its own start the method finds feasible programmes infeasible now and
+// then: then from a better one.
+int Simplex(glp_prob& programme, const Eigen::VectorXd& target, int terms) {
+  glp_smcp parameters;
+  glp_init_smcp(&parameters);
+  parameters.msg_lev = GLP_MSG_OFF;
+  parameters.tol_bnd = parameters.tol_dj = 1e-9;
+  const bool done = glp_simplex(&programme, &parameters) == 0;
+  if (done && glp_get_status(&programme) == GLP_OPT) return GLP_OPT;
+  StartAtZero(programme, target, terms);
+  return glp_simplex(&programme, &parameters) == 0 ? glp_get_status(&programme) : GLP_UNDEF;
+}
+
 }  // namespace
 
 std::optional<Eigen::VectorXd> SolveLinearProgramme(const Eigen::MatrixXd& functions,
@@ -68,15 +94,8 @@ std::optional<Eigen::VectorXd> SolveLinearProgramme(const Eigen::MatrixXd& funct
                                                     ResidualSign sign) {
   const Environment environment;
   const Programme programme = BuildProgramme(functions, target, sign);
-  glp_smcp parameters;
-  glp_init_smcp(&parameters);
-  parameters.msg_lev = GLP_MSG_OFF;
-  parameters.tol_bnd = parameters.tol_dj = 1e-9;
-  if (glp_simplex(programme.get(), &parameters) != 0) {
-    throw Error("the linear programme was not solved", ErrorKind::kSystem);
-  }
-  const int status = glp_get_status(programme.get());
-  if (status == GLP_NOFEAS || status == GLP_INFEAS) return std::nullopt;
+  const int status = Simplex(*programme, target, static_cast<int>(functions.rows()));
+  if (status == GLP_NOFEAS && sign == ResidualSign::kPositive) return std::nullopt;
   if (status != GLP_OPT) throw Error("the linear programme was not solved", ErrorKind::kSystem);
   Eigen::VectorXd weights(functions.rows());
   for (Eigen::Index t = 0; t < weights.size(); ++t) {
