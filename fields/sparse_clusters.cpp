@@ -152,6 +152,8 @@ ClusterState AtFullResolution(const Field& field, const ActiveRows& rows,
   AllowedClusters allowed;
   if (HasPlaces(field)) allowed = [&](int64_t i) { return near.Of(rows.which[i]); };
   const ClusterSizeLimits limits = Limits(options, rows.count(), Inhabited(state));
+  result.smallest_allowed = limits.smallest;
+  result.largest_allowed = limits.largest;
   std::vector<uint16_t> now;
   progress.Start("clusters at full resolution", rows.count() * (options.refine + 1));
   for (int round = 0;; ++round) {

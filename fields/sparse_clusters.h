@@ -108,6 +108,7 @@ struct SparseClusterResult {
   /// sum |E| / sum |R| after each choice of clusters: at low resolution, then at full.
   std::vector<double> bootstrap_error, full_error;
   int64_t smallest_cluster = 0, largest_cluster = 0;  ///< rows, of those with functions
+  int64_t smallest_allowed = 0, largest_allowed = 0;  ///< rows: the limits of size
   double residuals_per_row = 0;                       ///< kept, of rows with energy
 };
 
