@@ -119,7 +119,14 @@ RowClusters ChooseClusters(const ActiveRows& rows, const std::vector<FunctionRow
 
 SparseFactors FactorizeMembers(const ActiveRows& rows, std::span<const int64_t> members,
                                const SparseFactorizationOptions& options) {
-  return FactorizeSparse(rows.Gather(members).View(), options);
+  const FunctionRows functions = rows.Gather(members);
+  SparseFactors factors = FactorizeSparse(functions.View(), options);
+  if (factors.basis.rows > 0) return factors;
+  // So sparse that leaving all of it over costs least: one of the rows stands for the cluster.
+  const std::vector<float> first(functions.Row(0), functions.Row(0) + functions.columns);
+  factors.basis = UnitFunctions(first, 1, functions.columns);
+  factors.weights = SolveL1(factors.basis.View(), functions.View(), options.l1).weights;
+  return factors;
 }
 
 std::vector<FunctionRows> RefitBases(const ActiveRows& rows, const RowClusters& clusters,
@@ -141,6 +148,7 @@ std::vector<FunctionRows> RefitBases(const ActiveRows& rows, const RowClusters& 
     const FunctionRows columns = TransposeRows(rows.Gather(members[k]).View());
     refitted[k] =
         UnitFunctions(SolveL1(weights.View(), columns.View(), l1).weights, terms, rows.all.columns);
+    if (refitted[k].rows == 0) refitted[k] = bases[k];
   });
   return refitted;
 }

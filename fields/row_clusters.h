@@ -58,11 +58,12 @@ RowClusters ChooseClusters(const ActiveRows& rows, const std::vector<FunctionRow
                            const std::vector<uint16_t>& now, const AllowedClusters& allowed,
                            const ClusterChoiceOptions& options, Progress& progress);
 
-/// A basis for these members from nothing.
+/// A basis for these members (at least one) from nothing, with a function at least.
 SparseFactors FactorizeMembers(const ActiveRows& rows, std::span<const int64_t> members,
                                const SparseFactorizationOptions& options);
 /// Every cluster's basis anew with its members' weights as they stand: Equation 7 for the columns
-/// of F. Functions get unit L2 norm; those of no use are dropped.
+/// of F. Functions get unit L2 norm; those of no use are dropped, but
+/// a cluster with members keeps what it had when none is of use.
 std::vector<FunctionRows> RefitBases(const ActiveRows& rows, const RowClusters& clusters,
                                      const std::vector<FunctionRows>& bases, const L1Options& l1);
 
