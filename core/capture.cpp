@@ -71,12 +71,18 @@ nlohmann::json ScannerToJson(const Scanner& scanner) {
 nlohmann::json ReflectanceFieldToJson(const ReflectanceField& field) {
   nlohmann::json json = {{"camera", field.camera}, {"encoding", EncodingName(field.encoding)}};
   PutPose(json, "camera_from_world", field.camera_from_world);
+  PutText(json, "mask", field.mask);
   json["pictures"] = nlohmann::json::array();
   for (const LitPicture& picture : field.pictures) {
     const Eigen::Vector3d& d = picture.to_light;
-    json["pictures"].push_back({{"file", picture.file},
-                                {"direction", {d.x(), d.y(), d.z()}},
-                                {"split", SplitName(picture.split)}});
+    nlohmann::json entry = {{"file", picture.file},
+                            {"direction", {d.x(), d.y(), d.z()}},
+                            {"split", SplitName(picture.split)}};
+    if (picture.intensity) {
+      const Eigen::Vector3d& rgb = *picture.intensity;
+      entry["intensity"] = {rgb.x(), rgb.y(), rgb.z()};
+    }
+    json["pictures"].push_back(std::move(entry));
   }
   return json;
 }

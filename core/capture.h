@@ -73,9 +73,10 @@ struct Capture {
 
 /// Reads and validates `folder/capture.json`. Missing keys, unknown keys, wrong types, repeated
 /// ids, ids that are no plain file names, unknown cameras, frame counts that differ from the roles,
-/// light directions that are not unit vectors, a reflectance field without pictures or with one
-/// twice, and paths that leave the folder (absolute, "..", or through a symbolic link) are Errors
-/// that name the place. Listed picture files need not exist yet: stages report those one by one.
+/// light directions that are not unit vectors, intensities that are not positive, a reflectance
+/// field without pictures or with one twice, and paths that leave the folder (absolute, "..", or
+/// through a symbolic link) are Errors that name the place. Listed picture files need not exist
+/// yet: stages report those one by one.
 Capture LoadCapture(const std::filesystem::path& folder);
 /// Writes `folder/capture.json` atomically; the inverse of LoadCapture.
 void SaveCapture(const Capture& capture);
@@ -83,6 +84,10 @@ void SaveCapture(const Capture& capture);
 /// Loads one picture that a manifest names; tests hand in pictures from memory instead.
 using ImageLoader = std::function<Image(const std::string& file)>;
 ImageLoader MakeImageLoader(const Capture& capture);
+
+/// Why `file` may not be named by a capture in `folder` (absolute, "..", a symbolic link that leads
+/// out); empty when it may.
+std::string CapturePathProblem(const std::filesystem::path& folder, const std::string& file);
 
 /// Why `id` may not name a photograph; empty when it may. Ids become file names: letters, digits,
 /// '.', '_' and '-', 64 at most, no '.' in front.

@@ -209,11 +209,22 @@ class ManifestReader {
     return direction.normalized();
   }
 
+  std::optional<Eigen::Vector3d> Intensity(JsonReader& reader) const {
+    if (!reader.Has("intensity")) return std::nullopt;
+    const std::vector<double> rgb = reader.Numbers("intensity", 3);
+    const Eigen::Vector3d intensity(rgb[0], rgb[1], rgb[2]);
+    if (!(intensity.minCoeff() > 0)) {
+      reader.Fail("intensity", "must be positive; leave out the pictures of lights that were off");
+    }
+    return intensity;
+  }
+
   ReflectanceField ReadReflectanceField(JsonReader& reader, const Capture& capture) const {
     ReflectanceField field;
     field.camera = CameraKey(reader, capture);
     field.camera_from_world = OptionalPose(reader, "camera_from_world");
     field.encoding = Encoding(reader);
+    field.mask = OptionalFile(reader, "mask");
     std::set<std::string> files;
     for (JsonReader& picture : reader.Objects("pictures")) {
       LitPicture lit;
@@ -221,6 +232,7 @@ class ManifestReader {
       if (!files.insert(lit.file).second) picture.Fail("file", "'" + lit.file + "' is used twice");
       lit.to_light = UnitDirection(picture, "direction");
       lit.split = Split(picture);
+      lit.intensity = Intensity(picture);
       picture.Finish();
       field.pictures.push_back(std::move(lit));
     }

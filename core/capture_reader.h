@@ -14,9 +14,6 @@ namespace lfm {
 inline constexpr int kCaptureVersion = 1;
 inline constexpr const char* kCaptureFormat = "lfm-capture";
 
-/// Why `file` may not be named by a manifest in `folder`; empty when it may.
-std::string CapturePathProblem(const std::filesystem::path& folder, const std::string& file);
-
 /// The manifest that `root` holds, with paths inside `folder`. Throws Error as LoadCapture says.
 Capture ReadCaptureManifest(JsonReader& root, const std::filesystem::path& folder);
 

@@ -168,7 +168,8 @@ OccupiedField GrayOfField(const Field& field) {
   for (const double energy : energies) largest = std::max(largest, energy);
   const bool light_behind = field.kind == FieldColumns::kCubeTexels && field.width > 0;
   for (int64_t point = 0; point < field.points; ++point) {
-    gray.occupied[point] = energies[point] > kBlackShare * largest &&
+    const bool counts = field.mask.empty() || field.mask[point] != 0;
+    gray.occupied[point] = counts && energies[point] > kBlackShare * largest &&
                            !(light_behind && SeesLightItself(gray.rows.Row(point), columns));
   }
   return gray;

@@ -30,6 +30,9 @@ struct Field {
   int width = 0, height = 0;
   /// Of vertices, mm; empty for pixels.
   std::vector<Eigen::Vector3f> positions;
+  /// A point: 1 where it counts, 0 where there is nothing to model (its rows are zero); empty: all
+  /// points count.
+  std::vector<uint8_t> mask;
   FunctionRows functions;
   /// A column each, unit, world frame (of a view grid: the vertex frame). Of a cube: the texel's
   /// middle.

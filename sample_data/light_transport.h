@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sample_data/cube_map.h"
+#include "core/cube_map.h"
 #include "sample_data/path_tracer.h"
 #include "sample_data/traced_scene.h"
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/cube_map.h"
 #include "core/image.h"
-#include "sample_data/cube_map.h"
 #include "sample_data/fixed_view.h"
 #include "sample_data/traced_scene.h"
 

@@ -48,10 +48,12 @@ Capture FullCapture(const std::filesystem::path& folder) {
   field.camera_from_world = pose;
   field.encoding = ColorEncoding::kSrgb;
   field.pictures = {{"lit/0.png", {0, 0, 1}, PhotoSplit::kTrain},
-                    {"lit/1.png", Eigen::Vector3d(3, -1, 2).normalized(), PhotoSplit::kTest}};
+                    {"lit/1.png", Eigen::Vector3d(3, -1, 2).normalized(), PhotoSplit::kTest,
+                     Eigen::Vector3d(0.1, 2.5, 1.0 / 3)}};
+  field.mask = "lit/mask.png";
   capture.reflectance_field = field;
-  capture.transport = TransportField{
-      "t.ltm", TransportKind::kMesh, 32, "", "truth/mesh.ply", {{1, 2, 3}, {-4, 5, 0.5}}};
+  capture.transport = TransportField{"t.ltm", TransportKind::kMesh, 32,
+                                     "",      "truth/mesh.ply",     {{1, 2, 3}, {-4, 5, 0.5}}};
   return capture;
 }
 
@@ -126,7 +128,9 @@ TEST(Capture, SavingAndLoadingAreInverse) {
     EXPECT_EQ(a.file, b.file);
     EXPECT_LT((a.to_light - b.to_light).norm(), 1e-15);
     EXPECT_EQ(a.split, b.split);
+    EXPECT_EQ(a.intensity, b.intensity);
   }
+  EXPECT_EQ(loaded.reflectance_field->mask, "lit/mask.png");
   ASSERT_TRUE(loaded.transport.has_value());
   EXPECT_EQ(loaded.transport->file, "t.ltm");
   EXPECT_EQ(loaded.transport->kind, TransportKind::kMesh);
@@ -274,6 +278,9 @@ TEST(Capture, EveryWrongTypeOrValueIsNamed) {
       {"/reflectance_field/pictures/1/direction", {0, 0, nullptr}, "pictures[1].direction"},
       {"/reflectance_field/pictures/1/direction", {0, 1}, "pictures[1].direction"},
       {"/reflectance_field/pictures/0/split", "dev", "pictures[0].split: expected"},
+      {"/reflectance_field/mask", 3, "reflectance_field.mask: expected a string"},
+      {"/reflectance_field/pictures/1/intensity", {1, 0, 1}, "intensity: must be positive"},
+      {"/reflectance_field/pictures/1/intensity", {1, 1, nullptr}, "pictures[1].intensity"},
       {"/transport/kind", "texture", "expected \"image\" or \"mesh\""},
       {"/transport/kind", "image", "mesh: belongs to kind \"mesh\" only"},
       {"/transport/eyes", nlohmann::json::array(), "transport.eyes: is empty"},
@@ -313,8 +320,8 @@ TEST(Capture, PathsThatLeaveTheFolderAreRefused) {
   const nlohmann::json manifest = FullManifest();
   for (const char* place :
        {"/board", "/mesh", "/photos/0/file", "/photos/0/mask", "/scanner/scans/0/frames/1",
-        "/scanner/placements/0/frames/0", "/reflectance_field/pictures/1/file", "/transport/file",
-        "/transport/mesh"}) {
+        "/scanner/placements/0/frames/0", "/reflectance_field/pictures/1/file",
+        "/reflectance_field/mask", "/transport/file", "/transport/mesh"}) {
     for (const char* path : {"/etc/passwd", "../a.png", "photos/../../a.png", "photos/..", ""}) {
       nlohmann::json broken = manifest;
       broken[Pointer(place)] = path;
