@@ -2,12 +2,14 @@
 #include "fields/analysis.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <random>
 #include <utility>
 
 #include "core/error.h"
+#include "fields/block_pca.h"
 #include "fields/dimension.h"
 
 namespace lfm {
@@ -105,15 +107,30 @@ void SummarizeSlopes(AnalysisResult& result) {
   result.slope_half_width = StudentFactor95(degrees) * std::sqrt(squares / degrees / n);
 }
 
-SizePrediction PredictSize(int parts, double slope, int64_t global_terms) {
-  SizePrediction prediction;
-  prediction.parts = parts;
-  prediction.mu = std::pow(parts, -slope);
-  if (prediction.mu < 1) {
-    prediction.points = std::max(
-        0.0, static_cast<double>(global_terms) * (parts * prediction.mu - 1) / (1 - prediction.mu));
+std::vector<SizePrediction> PredictSizes(double slope, int64_t global_terms) {
+  std::vector<SizePrediction> predictions;
+  for (const double parts : {2.0, 4.0}) {
+    const Shrinkage shrinkage{parts, MuOfSlope(slope, parts)};
+    predictions.push_back(
+        {shrinkage, OptimalPatchPixels(shrinkage, static_cast<double>(global_terms))});
   }
-  return prediction;
+  return predictions;
+}
+
+std::vector<BlockCost> CostsOfBlocks(const Field& field, const OccupiedField& gray,
+                                     int64_t global_terms, const AnalysisOptions& options,
+                                     Progress& progress) {
+  std::vector<BlockCost> costs;
+  RowsOfPicture picture{field.width, field.height, std::vector<int64_t>(field.points, -1)};
+  for (int64_t point = 0; point < field.points; ++point) {
+    if (gray.occupied[point] != 0) picture.row[point] = point;
+  }
+  for (int side = 1; side <= options.largest_block; side *= 2) {
+    const BlockOptions blocks{options.energy_share, static_cast<double>(global_terms)};
+    costs.push_back({side, FixedBlocks(gray.rows.View(), picture, side, blocks).cost});
+    progress.Advance();
+  }
+  return costs;
 }
 
 void RequireOptions(const Field& field, const std::vector<Eigen::Vector3i>& triangles,
@@ -151,7 +168,8 @@ OccupiedField GrayOfField(const Field& field) {
   for (const double energy : energies) largest = std::max(largest, energy);
   const bool light_behind = field.kind == FieldColumns::kCubeTexels && field.width > 0;
   for (int64_t point = 0; point < field.points; ++point) {
-    gray.occupied[point] = energies[point] > kBlackShare * largest &&
+    const bool counts = field.mask.empty() || field.mask[point] != 0;
+    gray.occupied[point] = counts && energies[point] > kBlackShare * largest &&
                            !(light_behind && SeesLightItself(gray.rows.Row(point), columns));
   }
   return gray;
@@ -182,9 +200,11 @@ AnalysisResult AnalyzeField(const Field& field, const std::vector<Eigen::Vector3
       DimensionOf(GatherRows(gray.rows.View(), random).View(), options.global_share);
   progress.Advance();
   if (result.slope) {
-    for (const int parts : {2, 4}) {
-      result.predictions.push_back(PredictSize(parts, *result.slope, result.global_terms));
-    }
+    result.predictions = PredictSizes(*result.slope, result.global_terms);
+  }
+  if (field.width > 0 && result.occupied > 0 && options.largest_block > 0) {
+    progress.Start("cost of blocks", std::bit_width(static_cast<unsigned>(options.largest_block)));
+    result.block_costs = CostsOfBlocks(field, gray, result.global_terms, options, progress);
   }
   return result;
 }

@@ -10,6 +10,7 @@
 
 #include "core/options.h"
 #include "core/progress.h"
+#include "fields/cost_model.h"
 #include "fields/field.h"
 #include "fields/patches.h"
 #include "fields/slope_fit.h"
@@ -29,6 +30,7 @@ struct AnalysisOptions {
   PatchShape shape = PatchShape::kDisc;
   VertexDistance distance = VertexDistance::kSpace;
   int global_rows = 2048;
+  int largest_block = 32;
 
   void Declare(OptionVisitor& v) {
     v.Number({"energy-share", "Share of a patch's energy that its dimensions hold.", "", 0, 1},
@@ -47,6 +49,11 @@ struct AnalysisOptions {
                   {"space", "edges"}, distance);
     v.Integer({"global-rows", "N is found from so many points, drawn at random.", "", 1, 1 << 20},
               global_rows);
+    v.Integer({"largest-block",
+               "Rendering cost of a picture in blocks of 1, 2, 4 ... up to so many pixels a side; "
+               "0: not measured.",
+               "px", 0, 1024},
+              largest_block);
   }
 };
 
@@ -59,13 +66,16 @@ struct DimensionCurve {
   std::optional<SlopeFit> slope;
 };
 
-/// What Section 5.1 sets a method's parameters by; r is into how many parts it divides.
+/// What Section 5.1 sets a method's parameters by (fields/cost_model.h).
 struct SizePrediction {
-  int parts = 2;  ///< r: 2 for clusters, 4 for blocks
-  double mu = 0;  ///< r^-slope
-  /// p* = N (r mu - 1) / (1 - mu) (Equation 27): 0 where slopes of 1 and more say that patches
-  /// should be as small as can be; nothing where mu is 1 (any patch may grow).
-  std::optional<double> points;
+  Shrinkage shrinkage;  ///< into 2 parts for clusters, 4 for blocks; mu from the mean slope
+  double pixels = 0;    ///< p* (Equation 27); 0: as small as can be; infinite: any patch may grow
+};
+
+/// A picture in blocks of one size (Figure 9a).
+struct BlockCost {
+  int side = 0;
+  RenderingCost cost;
 };
 
 struct AnalysisResult {
@@ -79,6 +89,7 @@ struct AnalysisResult {
   int64_t global_terms = 0;  ///< N
   int64_t global_rows = 0;   ///< from so many points
   std::vector<SizePrediction> predictions;
+  std::vector<BlockCost> block_costs;  ///< by side; of pictures only
 };
 
 /// Grays of all occupied points: the mean over the channels of each, and which are occupied.
@@ -92,7 +103,8 @@ struct OccupiedField {
 OccupiedField GrayOfField(const Field& field);
 
 /// Dimensions of patches growing about `centers` (empty: spread evenly, options.centers of them),
-/// the slopes, N from random rows (fixed seed), and what Equation 27 makes of them. `triangles`: of
+/// the slopes, N from random rows (fixed seed), what Equation 27 makes of them, and the measured
+/// cost of blocks. `triangles`: of
 /// a mesh, for VertexDistance::kEdges.
 ///
 /// Extremes: nothing occupied gives no curve and N = 0; fewer points than the smallest area give
@@ -107,6 +119,9 @@ nlohmann::json AnalysisToJson(const AnalysisResult& result);
 
 /// Dimensionality against area on logarithmic axes, a curve a centre (at most eight), as SVG.
 std::string AnalysisToSvg(const AnalysisResult& result);
+/// Basis functions a pixel against the pixels of a block: overhead, per-pixel part and their sum
+/// (Figures 2 and 9a), as SVG.
+std::string BlockCostsToSvg(const AnalysisResult& result);
 
 /// A line a finding.
 std::vector<std::string> Findings(const AnalysisResult& result);

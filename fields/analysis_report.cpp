@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/formatted_text.h"
@@ -41,13 +42,21 @@ nlohmann::json AnalysisToJson(const AnalysisResult& result) {
                          {"global_terms", result.global_terms},
                          {"global_rows", result.global_rows},
                          {"curves", nlohmann::json::array()},
-                         {"predictions", nlohmann::json::array()}};
+                         {"predictions", nlohmann::json::array()},
+                         {"block_costs", nlohmann::json::array()}};
   if (result.slope) json["slope"] = *result.slope;
   if (result.slope_half_width) json["slope_half_width"] = *result.slope_half_width;
   for (const DimensionCurve& curve : result.curves) json["curves"].push_back(CurveToJson(curve));
   for (const SizePrediction& prediction : result.predictions) {
-    json["predictions"].push_back({{"parts", prediction.parts}, {"mu", prediction.mu}});
-    if (prediction.points) json["predictions"].back()["points"] = *prediction.points;
+    json["predictions"].push_back(
+        {{"parts", prediction.shrinkage.parts}, {"mu", prediction.shrinkage.mu}});
+    if (std::isfinite(prediction.pixels)) json["predictions"].back()["pixels"] = prediction.pixels;
+  }
+  for (const BlockCost& block : result.block_costs) {
+    json["block_costs"].push_back({{"side", block.side},
+                                   {"overhead", block.cost.overhead},
+                                   {"per_pixel", block.cost.per_pixel},
+                                   {"total_per_pixel", block.cost.PerPixel()}});
   }
   return json;
 }
@@ -66,6 +75,25 @@ std::string AnalysisToSvg(const AnalysisResult& result) {
     chart.curves.push_back({name, curve.areas, curve.dimensions});
   }
   return ChartToSvg(chart);
+}
+
+std::string BlockCostsToSvg(const AnalysisResult& result) {
+  std::vector<double> areas, overhead, per_pixel, total;
+  for (const BlockCost& block : result.block_costs) {
+    const auto pixels = static_cast<double>(std::max<int64_t>(block.cost.pixels, 1));
+    areas.push_back(static_cast<double>(block.side) * block.side);
+    overhead.push_back(block.cost.overhead / pixels);
+    per_pixel.push_back(block.cost.per_pixel / pixels);
+    total.push_back(block.cost.PerPixel());
+  }
+  return ChartToSvg({"Cost against the size of blocks: " + result.name,
+                     "pixels of a block",
+                     "basis functions a pixel",
+                     ChartScale::kLogarithmic,
+                     {{"global to local", areas, overhead},
+                      {"local to pixels", areas, per_pixel},
+                      {"total", areas, total}},
+                     ChartScale::kLogarithmic});
 }
 
 std::vector<std::string> Findings(const AnalysisResult& result) {
@@ -94,14 +122,22 @@ std::vector<std::string> Findings(const AnalysisResult& result) {
                                 static_cast<long long>(result.global_terms),
                                 static_cast<long long>(result.global_rows)));
   for (const SizePrediction& prediction : result.predictions) {
-    std::string line =
-        FormattedText("%s: mu = %.2f, ",
-                      prediction.parts == 2 ? "clusters (r = 2)" : "blocks (r = 4)", prediction.mu);
-    line += !prediction.points ? "patches may grow without bound"
-            : *prediction.points <= 0
+    std::string line = FormattedText(
+        "%s: mu = %.2f, ", prediction.shrinkage.parts == 2 ? "clusters (r = 2)" : "blocks (r = 4)",
+        prediction.shrinkage.mu);
+    line += !std::isfinite(prediction.pixels) ? "patches may grow without bound"
+            : prediction.pixels <= 0
                 ? "patches should be as small as can be"
-                : FormattedText("predicted patch p* = %.0f points", *prediction.points);
+                : FormattedText("predicted patch p* = %.0f points", prediction.pixels);
     lines.push_back(line);
+  }
+  if (!result.block_costs.empty()) {
+    const BlockCost& best = *std::min_element(
+        result.block_costs.begin(), result.block_costs.end(),
+        [](const BlockCost& a, const BlockCost& b) { return a.cost.Total() < b.cost.Total(); });
+    lines.push_back(FormattedText(
+        "measured: blocks of %d x %d cost least, %.1f basis functions a pixel (N = %lld)",
+        best.side, best.side, best.cost.PerPixel(), static_cast<long long>(result.global_terms)));
   }
   return lines;
 }
