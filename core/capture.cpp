@@ -157,6 +157,7 @@ ImageLoader MakeImageLoader(const Capture& capture) {
     for (const LitPicture& picture : capture.reflectance_field->pictures) {
       encodings[picture.file] = capture.reflectance_field->encoding;
     }
+    encodings[capture.reflectance_field->mask] = capture.reflectance_field->encoding;
   }
   return [folder = capture.folder, encodings = std::move(encodings)](const std::string& file) {
     const std::string problem = CapturePathProblem(folder, file);

@@ -63,7 +63,7 @@ struct ReflectanceFieldData {
 /// Error, naming the file and what to do, when there is no training picture, a picture is missing,
 /// of another size than its camera's or of other channels than the first, a pixel that counts is
 /// not finite, a direction is no unit vector, an intensity is not positive and finite, the mask is
-/// of another size or nothing counts, or the crop leaves no pixel.
+/// of another size or nothing counts, the crop leaves no pixel, or the machine has not the memory.
 ReflectanceFieldData ReadReflectanceField(const Capture& capture, const FieldReadOptions& options,
                                           Progress& progress);
 /// The same with pictures from elsewhere.

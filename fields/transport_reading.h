@@ -20,7 +20,8 @@ namespace lfm {
 ///
 /// Parallel over points. Throws Error, naming the file, when it is missing or damaged, when its
 /// size is not that of the camera's pictures or of the mesh and its eyes, when its cube map is not
-/// the one that is stated, when a number is not finite, and when a point in `which` does not exist.
+/// the one that is stated, when a number is not finite, when a point in `which` does not exist, and
+/// when the machine has not the memory.
 Field ReadTransportField(const Capture& capture, const std::vector<int64_t>& which,
                          Progress& progress);
 

@@ -49,14 +49,15 @@ struct VertexFunctions {
 ///
 /// F_v[q] = mean over triangles t at v of sum_k w_t[q][k] P_t[corner][view_t[q][k]]: the sample at
 /// the vertex under each triangle's own view weights (F = P W, resample/light_field.h), averaged
-/// over the triangles that saw direction q, or over all that anyone saw where none did. kLinear
-/// takes the sRGB curve off the mean. kWorldCube interpolates F_v bilinearly on the view grid;
-/// directions below the vertex's horizon (with a skirt: below the skirt's border) are zero and
-/// unseen, and an entry is seen when every grid entry that it comes from is.
+/// over the triangles that saw direction q, or over all that anyone saw where none did. kWorldCube
+/// interpolates F_v bilinearly on the view grid, as viewers do; directions below the vertex's
+/// horizon (with a skirt: below the skirt's border) are zero and unseen, and an entry is seen when
+/// every grid entry that it comes from is. kLinear takes the sRGB curve off the result.
 ///
 /// Takes 13 bytes x vertices x columns, padded; parallel over vertices, deterministic. Extremes: a
-/// vertex of no triangle, or of triangles that nobody saw, has zero rows, mask 0, and is listed;
-/// imputed values exceed 1. Throws Error when the matrix would be out of range.
+/// vertex of no triangle, or of triangles that nobody saw, has zero rows, is listed, and is 0 in
+/// the field's mask; imputed values exceed 1. Throws Error when an option or the matrix's size is
+/// out of range, or the machine has not the memory.
 VertexFunctions ReadVertexFunctions(const LightField& light_field,
                                     const VertexFunctionOptions& options, Progress& progress);
 
