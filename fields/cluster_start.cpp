@@ -42,6 +42,28 @@ Matrix UnitRows(const ActiveRows& rows) {
   return unit;
 }
 
+// Rows drawn in turn, each as likely as the square of its distance to those before (k-means++).
+Matrix FirstCenters(const Matrix& unit, int clusters) {
+  Matrix centers(clusters, unit.cols());
+  std::mt19937_64 random(kSeed);
+  std::vector<float> squares(static_cast<size_t>(unit.rows()), 4);
+  Eigen::Index drawn = static_cast<Eigen::Index>(random() % static_cast<uint64_t>(unit.rows()));
+  for (int k = 0;; ++k) {
+    centers.row(k) = unit.row(drawn);
+    if (k + 1 == clusters) return centers;
+    ParallelChunks(unit.rows(), kChunk, [&](int64_t begin, int64_t end, int64_t) {
+      for (int64_t i = begin; i < end; ++i) {
+        const float square = (unit.row(i) - centers.row(k)).squaredNorm();
+        squares[i] = std::min(squares[i], square);
+      }
+    });
+    double left = std::accumulate(squares.begin(), squares.end(), 0.0) *
+                  (static_cast<double>(random() >> 11) * 0x1p-53);
+    drawn = 0;
+    while (drawn + 1 < unit.rows() && (left -= squares[drawn]) > 0) ++drawn;
+  }
+}
+
 // The centre nearest to each unit row; of equals the first.
 std::vector<uint16_t> Nearest(const Matrix& unit, const Matrix& centers) {
   std::vector<uint16_t> nearest(static_cast<size_t>(unit.rows()));
@@ -69,9 +91,7 @@ std::vector<uint16_t> RandomClusters(int64_t rows, int clusters) {
 
 std::vector<uint16_t> SimilarClusters(const ActiveRows& rows, int clusters) {
   const Matrix unit = UnitRows(rows);
-  const std::vector<int64_t> order = Shuffled(rows.count());
-  Matrix centers(clusters, unit.cols());
-  for (int k = 0; k < clusters; ++k) centers.row(k) = unit.row(order[k]);
+  Matrix centers = FirstCenters(unit, clusters);
   std::vector<uint16_t> nearest = Nearest(unit, centers);
   for (int round = 1; round < kRounds; ++round) {
     Matrix sums = Matrix::Zero(clusters, unit.cols());

@@ -21,7 +21,9 @@ namespace {
 constexpr int kFirstAlternations = 3;  // of a cluster that is founded
 constexpr int kRowsPerCluster = 200;   // that the low resolution keeps at least, on average
 constexpr int kLargestFactor = 16;
-constexpr double kConverged = 0.005;  // of the rows
+constexpr double kFewMove = 0.005;    // of the rows
+constexpr double kSmallGain = 0.003;  // of the error, in
+constexpr size_t kGainRounds = 3;
 
 // Everything that the rounds share.
 struct Fit {
@@ -91,6 +93,12 @@ int64_t Moved(const std::vector<uint16_t>& before, const std::vector<uint16_t>& 
   return moved;
 }
 
+bool HasSettled(const std::vector<double>& errors) {
+  if (errors.size() <= kGainRounds) return false;
+  const double before = errors[errors.size() - 1 - kGainRounds];
+  return before - errors.back() < kSmallGain * before;
+}
+
 // Bootstraps the clusters at low resolution.
 ClusterState Bootstrap(const ActiveRows& rows, const SparseClusterOptions& options, const Fit& fit,
                        SparseClusterResult& result, Progress& progress) {
@@ -103,12 +111,12 @@ ClusterState Bootstrap(const ActiveRows& rows, const SparseClusterOptions& optio
   progress.Start("clusters at low resolution", rows.count() * (options.rounds + 1));
   for (int round = 0;; ++round) {
     state.rows = ChooseClusters(rows, state.bases, now, nullptr, fit.choice, progress);
-    const int64_t moved = Moved(now, state.rows.cluster);
+    const double share_moved =
+        static_cast<double>(Moved(now, state.rows.cluster)) / static_cast<double>(rows.count());
     result.bootstrap_error.push_back(RelativeL1(rows, state.rows));
     state = HoldSizes(rows, std::move(state), limits, fit);
     state = SplitWorstClusters(rows, std::move(state), clusters, limits, fit.found);
-    if (round >= options.rounds ||
-        static_cast<double>(moved) < kConverged * static_cast<double>(rows.count())) {
+    if (round >= options.rounds || share_moved < kFewMove || HasSettled(result.bootstrap_error)) {
       return state;
     }
     now = state.rows.cluster;

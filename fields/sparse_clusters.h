@@ -36,8 +36,8 @@ struct SparseClusterOptions {
   ClusterStart cluster_start = ClusterStart::kSimilar;
   int bootstrap_factor = 0;  ///< 0: chosen
   int rounds = 20;
-  int refine = 2;
-  int alternatives = 8;
+  int refine = 1;
+  int alternatives = 4;
   int residuals = -1;
   double residual_threshold = 1.0 / 256;
   FunctionsBasis functions_basis = FunctionsBasis::kNone;
@@ -117,13 +117,14 @@ struct SparseClusterResult {
 ///   R_r = sum_t weight[r][t] F^c(r)_t + E_r,    c(r) = argmin_k |E_r^k|_1       (Equations 2, 14)
 ///
 /// At low resolution (fields/coarse_field.h) clusters are factorised and rows put in the best one,
-/// by turns, until fewer than 1 in 200 rows move. A row is tried exactly in the `alternatives`
-/// clusters that explain most of its energy and in the one it is in. Clusters too small are merged
-/// into the next best of their members; too large ones are halved; numbers that fall free go to
-/// halves of the clusters of greatest error. At full resolution a row may join the clusters of its
-/// cell and the cells around, of its own channel and then of the others; `refine` rounds fit the
-/// bases to all rows. Last, bases are rounded as they will be stored, weights are solved for these
-/// and rounded, and the residual is what is then left (fields/residual.h).
+/// by turns, until fewer than 1 in 200 rows move or the error falls by less than 0.3 % in three. A
+/// row is tried exactly in the `alternatives` clusters that explain most of its energy and in the
+/// one it is in. Clusters too small are merged into the next best of their members; too large ones
+/// are halved; numbers that fall free go to halves of the clusters of greatest error. At full
+/// resolution a row may join the clusters of its cell and the cells around, of its own channel and
+/// then of the others; `refine` rounds fit the bases to all rows. Last, bases are rounded as they
+/// will be stored, weights are solved for these and rounded, and the residual is what is then left
+/// (fields/residual.h).
 ///
 /// Deterministic: does not depend on the number of threads. Takes about the field's own memory
 /// again at most.

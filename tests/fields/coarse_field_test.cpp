@@ -41,7 +41,8 @@ TEST(CoarseField, AveragesSquaresOfPixels) {
   EXPECT_FLOAT_EQ(coarse.rows.Row(5)[0], 14);
   EXPECT_FLOAT_EQ(coarse.rows.Row(6 + 5)[0], 15 + 14);
   for (int64_t r = 0; r < 12; ++r) EXPECT_FLOAT_EQ(coarse.rows.Row(r)[1], 1);
-  EXPECT_EQ(coarse.cell[7], 4);
+  EXPECT_EQ(coarse.cell[7], 1);
+  EXPECT_EQ(coarse.cell[13], 4);
   EXPECT_EQ(coarse.neighbours[coarse.first[4]], 4);
   EXPECT_EQ(Neighbours(coarse, 4), (std::set<int32_t>{0, 1, 2, 3, 4, 5}));
   EXPECT_EQ(Neighbours(coarse, 0), (std::set<int32_t>{0, 1, 3, 4}));
