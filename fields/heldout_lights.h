@@ -13,8 +13,9 @@
 
 namespace lfm {
 
-/// The linear value that is shown as white: 1, unless the field's values are of another order: then
-/// their 99.9th percentile, when that lies outside 1/16 to 1 (1 for a black field).
+/// The linear value that is shown as white: the 99.9th percentile of what the rows show at most
+/// (those that show anything), or 1 where that lies from 1/16 to 1, as it does of 8-bit pictures; 1
+/// for a black field.
 double DisplayWhite(const Field& field);
 
 /// Values of a picture's rows (channel after channel) as 8-bit sRGB, three channels.

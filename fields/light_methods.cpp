@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "core/parallel.h"
-#include "fields/light_interpolation.h"
+#include "fields/light_triangulation.h"
 
 namespace lfm {
 namespace {
@@ -13,12 +14,12 @@ constexpr int64_t kRowsAtOnce = 512;
 
 int64_t ValuesOf(const Field& field) { return field.functions.rows * field.functions.columns; }
 
-std::vector<float> WeightedColumns(const Field& field, const LightWeights& weights) {
+std::vector<float> WeightedColumns(const Field& field, const LightShares& shares) {
   std::vector<float> shown(static_cast<size_t>(field.functions.rows));
   ParallelChunks(field.functions.rows, kRowsAtOnce, [&](int64_t begin, int64_t end, int64_t) {
     for (int64_t r = begin; r < end; ++r) {
       double sum = 0;
-      for (const auto& [column, weight] : weights) sum += weight * field.functions.Row(r)[column];
+      for (int i = 0; i < 3; ++i) sum += shares.share[i] * field.functions.Row(r)[shares.light[i]];
       shown[r] = static_cast<float>(std::max(0.0, sum));
     }
   });
@@ -27,16 +28,26 @@ std::vector<float> WeightedColumns(const Field& field, const LightWeights& weigh
 
 }  // namespace
 
+int NearestLight(const std::vector<Eigen::Vector3d>& to_lights, const Eigen::Vector3d& to_light) {
+  if (to_lights.empty()) throw Error("nearest light: there is none");
+  const auto nearest = std::min_element(
+      to_lights.begin(), to_lights.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+        return (a - to_light).squaredNorm() < (b - to_light).squaredNorm();
+      });
+  return static_cast<int>(nearest - to_lights.begin());
+}
+
 LightMethod NearestPicture(const Field& train) {
   return {"nearest light", "pictures", ValuesOf(train), [&train](const Eigen::Vector3d& to_light) {
-            return WeightedColumns(train, NearestLight(train.directions, to_light));
+            return WeightedColumns(train,
+                                   {{NearestLight(train.directions, to_light), 0, 0}, {1, 0, 0}});
           }};
 }
 
 LightMethod InterpolatedPictures(const Field& train) {
   return {"interpolated pictures", "pictures", ValuesOf(train),
-          [&train](const Eigen::Vector3d& to_light) {
-            return WeightedColumns(train, SphericalWeights(train.directions, to_light));
+          [&train, lights = TriangulateLights(train.directions)](const Eigen::Vector3d& to_light) {
+            return WeightedColumns(train, InterpolateLights(lights, to_light));
           }};
 }
 

@@ -25,8 +25,11 @@ struct LightMethod {
   std::function<std::vector<float>(const Eigen::Vector3d& to_light)> predict;
 };
 
+/// The light that is nearest in angle, the first of equals. Throws Error without any light.
+int NearestLight(const std::vector<Eigen::Vector3d>& to_lights, const Eigen::Vector3d& to_light);
+
 /// The training pictures themselves: that under the nearest light, and those around weighted
-/// (fields/light_interpolation.h). They take a byte a value (8-bit pictures without compression).
+/// (InterpolateLights). They take a byte a value (8-bit pictures without compression).
 /// Both refer to `train` later on.
 LightMethod NearestPicture(const Field& train);
 LightMethod InterpolatedPictures(const Field& train);

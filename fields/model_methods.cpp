@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "fields/field_encoding.h"
-#include "fields/light_interpolation.h"
+#include "fields/light_triangulation.h"
 #include "fields/relightable_file.h"
 #include "fields/relighting.h"
 
@@ -12,12 +12,13 @@ namespace lfm {
 namespace {
 
 // The light itself, as a vector over the model's directions.
-LightVector LightOf(const std::vector<Eigen::Vector3d>& directions, int channels,
+LightVector LightOf(const LightTriangulation& lights, int channels,
                     const Eigen::Vector3d& to_light) {
-  LightVector light = MakeLightVector(static_cast<int>(directions.size()), channels);
-  for (const auto& [direction, weight] : SphericalWeights(directions, to_light)) {
-    for (int c = 0; c < channels; ++c) {
-      light.Channel(c)[direction] = static_cast<float>(weight);
+  LightVector light = MakeLightVector(static_cast<int>(lights.directions.size()), channels);
+  const LightShares shares = InterpolateLights(lights, to_light);
+  for (int c = 0; c < channels; ++c) {
+    for (int i = 0; i < 3; ++i) {
+      light.Channel(c)[shares.light[i]] += static_cast<float>(shares.share[i]);
     }
   }
   return light;
@@ -39,6 +40,7 @@ std::vector<float> InRows(const std::vector<float>& interleaved, int64_t points,
 std::vector<LightMethod> ModelMethods(const RelightableModel& relightable, const std::string& name,
                                       const std::vector<int>& residuals) {
   const auto relighter = std::make_shared<const Relighter>(relightable);
+  const LightTriangulation lights = TriangulateLights(relightable.directions);
   std::vector<LightMethod> methods;
   for (int count : residuals) {
     const std::string with = count < 0    ? ", all residuals"
@@ -46,9 +48,8 @@ std::vector<LightMethod> ModelMethods(const RelightableModel& relightable, const
                                           : " + " + std::to_string(count) + " residuals";
     const int64_t bytes = CountBytes(WithFewerResiduals(relightable, count)).Total();
     methods.push_back(
-        {name + with, name, bytes,
-         [relighter, count, directions = relightable.directions](const Eigen::Vector3d& to_light) {
-           const LightVector light = LightOf(directions, relighter->channels(), to_light);
+        {name + with, name, bytes, [relighter, count, lights](const Eigen::Vector3d& to_light) {
+           const LightVector light = LightOf(lights, relighter->channels(), to_light);
            return InRows(relighter->Relight(relighter->Prepare(light), count), relighter->points(),
                          relighter->channels());
          }});

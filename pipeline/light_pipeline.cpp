@@ -126,6 +126,10 @@ StageJob ReportJob(const Run& run) {
   std::vector<fs::path> inputs;
   for (const char* stage : {"encode", "evaluate"}) {
     inputs.push_back(run.workspace.Stage(stage) / "stage.json");
+    // A stage's own command may have written there since.
+    for (const std::string& output : ReadStageRecord(run.workspace.folder, stage).outputs) {
+      inputs.push_back(run.workspace.Stage(stage) / output);
+    }
   }
   return {"report", json::object(), inputs, [&run](const fs::path& folder) -> json {
             WriteLightReport(run.capture.name, run.workspace, folder);

@@ -32,6 +32,11 @@ json CollectLightReport(const Workspace& workspace) {
   for (const char* stage : {"encode", "evaluate"}) {
     const StageRecord record = ReadStageRecord(workspace.folder, stage);
     report[stage] = record.figures;
+    if (!ResultsAreAsRecorded(workspace.folder, stage)) {
+      report[stage] = {{"out_of_date",
+                        "files of this stage were changed after lfm-pipeline made them, so its "
+                        "figures are left out; run 'lfm-pipeline run' again"}};
+    }
     report["options"][stage] = record.options;
     time[std::string(stage) + "_s"] = record.elapsed_in_seconds;
     total += record.elapsed_in_seconds;
@@ -156,6 +161,7 @@ std::string EvaluationSection(const json& evaluate) {
   if (evaluate.contains("note")) {
     html += "<p>" + EscapeMarkup(evaluate["note"].get<std::string>()) + "</p>";
   }
+  if (!evaluate.contains("methods")) return html + FigureTable(evaluate);
   html += MethodTable(evaluate);
   if (evaluate["lights"].get<int>() > 0) {
     html += ChartToSvg(BytesChart(evaluate, "psnr_db", "PSNR, dB", ChartScale::kLinear)) +

@@ -94,6 +94,16 @@ TEST_F(LightPipeline, DoesAgainWhatHasChangedAlone) {
   EXPECT_EQ(Run().stages.size(), 1u);
 }
 
+TEST_F(LightPipeline, ReportLeavesOutWhatWasChangedSince) {
+  WriteSmallLightCapture(Capture(), 12, HeldOutLights::kEveryFourth);
+  Run();
+  WriteFileAtomically(Work() / "encode" / "model.lfr", "another");
+  options_.from = options_.to = "report";
+  EXPECT_FALSE(Run().stages[0].second.skipped);
+  EXPECT_TRUE(Report()["encode"].contains("out_of_date"));
+  EXPECT_FALSE(Report()["evaluate"].contains("out_of_date"));
+}
+
 TEST_F(LightPipeline, ClusteredPcaIsTheOtherMethod) {
   WriteSmallLightCapture(Capture(), 20, HeldOutLights::kEveryFourth);
   options_.light.encode.method = FieldMethod::kPca;
