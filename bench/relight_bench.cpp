@@ -5,8 +5,10 @@
 // set and number of threads, beside what reading the same bytes alone takes, and beside the dense
 // product R I in float16. Wall time is the best of the repetitions; the processor's time (the
 // process's, a thread's share) does not count what other programs took.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <functional>
@@ -17,6 +19,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/light_sampling.h"
 #include "fields/relightable_file.h"
 #include "fields/relighting.h"
 
@@ -142,6 +145,33 @@ void PrintRelighting(const RelightableModel& r, const Relighter& relighter,
   }
 }
 
+// What a rotated environment costs: a map of 1024 x 512 pixels over 253 lights.
+void PrintSampling(int threads) {
+  constexpr int kWidth = 1024, kHeight = 512, kLights = 253;
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < kLights; ++i) {
+    const double z = 1 - (2.0 * i + 1) / kLights, r = std::sqrt(1 - z * z), angle = 2.39996 * i;
+    directions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+  }
+  Image map(kWidth, kHeight, 3, PixelType::kFloat32, ColorEncoding::kLinear);
+  for (size_t i = 0; i < map.size(); ++i) map.Data<float>()[i] = static_cast<float>(i % 7);
+  const LightProbe probe = MakeLightProbe(map, "map");
+  const LightCells cells = MakeLightCells(FieldColumns::kLights, directions);
+  const Times made = Measure(threads, [&] { MakeLightCells(FieldColumns::kLights, directions); });
+  double turn = 0;
+  const Times upright = Measure(threads, [&] { SampleProbe(cells, probe, turn += 1.7); });
+  const Times free = Measure(threads, [&] {
+    SampleProbeTurned(cells, probe,
+                      Eigen::AngleAxisd(turn += 0.1, Eigen::Vector3d::UnitX()).toRotationMatrix());
+  });
+  std::printf(
+      "a map of %d x %d over %d lights, %d thread(s): cells %.0f ms; turned about the "
+      "vertical %.2f ms, about any axis %.2f ms (processor %.2f, %.2f)\n",
+      kWidth, kHeight, kLights, threads, 1e3 * made.wall_in_seconds, 1e3 * upright.wall_in_seconds,
+      1e3 * free.wall_in_seconds, 1e3 * upright.processor_in_seconds,
+      1e3 * free.processor_in_seconds);
+}
+
 int Main(int argc, char** argv) {
   const RelightableModel r = argc > 1 ? ReadRelightable(argv[1]) : RandomModel();
   const Relighter relighter(r);
@@ -159,6 +189,7 @@ int Main(int argc, char** argv) {
     const Times prepare = Measure(threads, [&] { relighter.Prepare(light); });
     std::printf("%d thread(s): reads %.1f GB/s; products of a light %.3f ms\n", threads,
                 1e-9 * bytes_in_second, 1e3 * prepare.wall_in_seconds);
+    PrintSampling(threads);
     PrintDense(r, threads);
     for (const kernels::RelightLevel level : kernels::kRelightLevels) {
       if (!kernels::Runs(level)) continue;
