@@ -102,6 +102,25 @@ test('the pages that the program writes, from disk and from a server, know their
   assert.ok(pictures[0].equals(pictures[1]));
 });
 
+test('one light and surroundings of a file are those of the C++ sampling', async () => {
+  const pages = path.join(samples, 'pages');
+  const gains = JSON.parse(await readFile(path.join(pages, 'gains.json'), 'utf8'));
+  const { page, close } = await openPage(pathToFileURL(path.join(pages, 'relight.html')).href,
+                                         { light: '0.3,-0.4,1', gain: gains.light, turn: 40 });
+  const psnr = async (what) =>
+    psnrOf(decodePng(await pictureOf(page)), decodePng(await readFile(path.join(pages, `${what}.png`))));
+  const light = await psnr('light');
+  await page.locator('#file').setInputFiles(path.join(pages, 'surroundings.hdr'));
+  await page.waitForFunction(() => window.lfm.state().around === 'own');
+  await page.evaluate((gain) => window.lfm.set({ gain }), gains.surroundings);
+  const around = await psnr('surroundings');
+  console.log(`one light: ${light.toFixed(2)} dB, surroundings: ${around.toFixed(2)} dB`);
+  assert.ok(light >= kLeastPsnr && around >= kLeastPsnr);
+  await page.evaluate(() => window.lfm.set({ turn: 0 }));
+  assert.ok(await psnr('surroundings') < kLeastPsnr - 10, 'another turn is seen');
+  await close();
+});
+
 /** What float64 says that a model shows, {width, height, rgb}. */
 function evaluate(model, light, gain) {
   const prepared = prepareLight(model, light), { points, channels, width, height } = model;

@@ -13,7 +13,7 @@ import {
 } from '../../viewer/web/relight/surroundings.js';
 import { angleBetween, cross, dot } from '../../viewer/web/relight/vectors.js';
 import {
-  anglesOf, directionAt, turned, uprightFrameOf, viewFrameOf,
+  anglesOf, directionAt, turned, turnOfWorld, uprightFrameOf, viewFrameOf,
 } from '../../viewer/web/relight/view_frame.js';
 import { ModelError } from '../../viewer/web/src/model_error.js';
 
@@ -119,13 +119,17 @@ test('PointLight: below a dome the rim on that side gives light', () => {
       assert.ok(z < 0.25 && x * direction[0] + y * direction[1] > 0.6, `${[x, y, z]}`);
     }
   }
-  assert.ok(light.reach < 0.4, `${light.reach}`);
+  assert.ok(light.reach < 0.2, `${light.reach}`);
+  for (const [direction, angle, expected] of [[[0, 0, 1], 1, true], [[0, 0, -1], 1, false],
+                                              [[0, 0.6, -0.8], 0.01, true]]) {
+    assert.equal(light.reaches(direction, angle), expected, `${direction}`);
+  }
 });
 
 test('PointLight: few directions, the same twice, a ring, a line', () => {
   assert.deepEqual(sharesOf([[0, 0, 1]], [1, 0, 0]), [{ index: 0, share: 1 }]);
   assert.deepEqual(sharesOf([[0, 0, 1], [0, 0, 1]], [1, 0, 0]),
-                   [{ index: 0, share: 0.5 }, { index: 1, share: 0.5 }]);
+                   [{ index: 0, share: 1 }]);
   const two = sharesOf([[0, 0, 1], [1, 0, 0]], [Math.SQRT1_2, 0, Math.SQRT1_2]);
   near(two.map(({ share }) => share), [0.5, 0.5]);
   assert.deepEqual(sharesOf([[0, 0, 1], [1, 0, 0]], [-0.6, 0, 0.8]), [{ index: 0, share: 1 }]);
@@ -144,7 +148,7 @@ test('PointLight: few directions, the same twice, a ring, a line', () => {
 test('nearestFinder: is the brute search, the first of equal ones', () => {
   const directions = [...spiral(300), ...spiral(300).slice(0, 20)];
   const flat = Float64Array.from(directions.flat());
-  const find = nearestFinder(flat), close = nearestFinder(flat, 0.05);
+  const find = nearestFinder(flat);
   for (const direction of [...spiral(2000), ...directions]) {
     let best = 0;
     directions.forEach((other, i) => {
@@ -152,8 +156,6 @@ test('nearestFinder: is the brute search, the first of equal ones', () => {
       if (square(other) < square(directions[best])) best = i;
     });
     assert.equal(find(direction), best);
-    const isClose = angleBetween(directions[best], direction) < 0.05;
-    assert.equal(close(direction), isClose ? best : -1);
   }
 });
 
@@ -177,11 +179,13 @@ const modelOf = (directions, kind = 0, channels = 3) =>
 
 test('surroundings: constant radiance is 4 pi of irradiance, or its own in texels', () => {
   const map = new Float32Array(3 * kMapWidth * kMapHeight).map((_, i) => [1, 2, 4][i % 3]);
-  for (const directions of [spiral(1), spiral(100), spiral(7000)]) {
+  for (const directions of [spiral(100), spiral(7000)]) {
     const light = new ModelLight(modelOf(directions), kRtiFrame).surroundings(map, 33);
     const sums = light.map((own) => own.reduce((a, b) => a + b, 0) / (4 * Math.PI));
     near(sums, [1, 2, 4], 4 * kIntegral_rel);
   }
+  const [[half]] = new ModelLight(modelOf([[0, 0, 1]]), kRtiFrame).surroundings(map, 33);
+  near([half / (2 * Math.PI)], [1], kIntegral_rel); // one light tells of its side
   for (const n of [1, 8, 80]) {
     const light = new ModelLight(modelOf(cubeDirections(n), 1), kRtiFrame).surroundings(map, -10);
     light.forEach((own, c) => own.forEach((value) =>
@@ -211,7 +215,7 @@ test('surroundings: none come from below a dome', () => {
   const upright = { right: [1, 0, 0], up: [0, 0, 1], front: [0, -1, 0] };
   const [red] = new ModelLight(modelOf(spiral(253, 0)), upright).surroundings(map, 0);
   const sum = red.reduce((a, b) => a + b, 0);
-  assert.ok(sum > 2 * Math.PI && sum < 2.9 * Math.PI, `${sum / Math.PI} pi`);
+  assert.ok(sum > 2 * Math.PI && sum < 2.4 * Math.PI, `${sum / Math.PI} pi`);
 });
 
 test('parallel: unit irradiance, in columns of either kind', () => {
@@ -263,6 +267,8 @@ test('viewFrameOf: the picture is the world unless a camera is told', () => {
   near(upright.up, [0, 0, 1]);
   near(upright.front, [0, -1, 0]);
   near(upright.right, [1, 0, 0]);
+  // The middle of a picture, behind the object at +y, comes to +x by a turn from above.
+  near([turnOfWorld(upright), turnOfWorld(kRtiFrame)], [-90, 0]);
 });
 
 test('directionAt: the middle is the viewer, the edge the side, beyond it behind', () => {

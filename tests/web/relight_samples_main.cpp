@@ -14,6 +14,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/image.h"
+#include "fields/light_sampling.h"
 #include "fields/relightable_file.h"
 #include "fields/relighting.h"
 #include "tests/fields/random_relightable.h"
@@ -108,25 +109,70 @@ LightVector RandomLight(const RelightableModel& r, double lit, std::mt19937& ran
   return light;
 }
 
-/// OUT/NAME,SHOT.json says how the model is lit, OUT/NAME,SHOT.png is what there is to be seen.
-void WriteShot(const RelightableModel& r, const std::filesystem::path& stem, const Shot& shot) {
-  std::mt19937 random(7);
+/// What is to be seen as STEM.png; what a picture's 95th of 100 values is to be multiplied with to
+/// be 0.8 is returned.
+double WritePicture(const RelightableModel& r, const LightVector& light, int residuals,
+                    const std::filesystem::path& stem) {
   const Relighter relighter(r);
-  const LightVector light = RandomLight(r, shot.lit, random);
-  Image image = relighter.RelightPicture(relighter.Prepare(light), shot.residuals);
+  Image image = relighter.RelightPicture(relighter.Prepare(light), residuals);
   auto* values = image.Data<float>();
   std::vector<float> sorted(values, values + image.size());
   std::sort(sorted.begin(), sorted.end());
   const double gain = 0.8 / std::max(1e-30, double{sorted[sorted.size() * 95 / 100]});
   for (size_t i = 0; i < image.size(); ++i) values[i] = static_cast<float>(values[i] * gain);
   WriteImage(ToRgb8(image), stem.string() + ".png");
-  nlohmann::json json = {{"gain", gain},
+  return gain;
+}
+
+/// OUT/NAME,SHOT.json says how the model is lit, OUT/NAME,SHOT.png is what there is to be seen.
+void WriteShot(const RelightableModel& r, const std::filesystem::path& stem, const Shot& shot) {
+  std::mt19937 random(7);
+  const LightVector light = RandomLight(r, shot.lit, random);
+  nlohmann::json json = {{"gain", WritePicture(r, light, shot.residuals, stem)},
                          {"residuals", shot.residuals < 0 ? 65535 : shot.residuals}};
   for (int c = 0; c < light.channels; ++c) {
     json["light"].push_back(
         std::vector<float>(light.Channel(c), light.Channel(c) + light.directions));
   }
   WriteFileAtomically(stem.string() + ".json", json.dump());
+}
+
+// Soft light of two colours from two sides, and a dim floor.
+Image MakeSurroundings() {
+  Image image(256, 128, 3, PixelType::kFloat32, ColorEncoding::kLinear);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const Eigen::Vector3d d =
+          ProbeDirection((x + 0.5) / image.width(), (y + 0.5) / image.height());
+      const double warm = std::pow(std::max(0.0, d.dot(Eigen::Vector3d(0.6, 0, 0.8))), 6);
+      const double cold = std::pow(std::max(0.0, d.dot(Eigen::Vector3d(0, -0.8, 0.6))), 3);
+      const double floor = d.z() < 0 ? 0.05 : 0.1;
+      image.At<float>(x, y, 0) = static_cast<float>(floor + 4 * warm);
+      image.At<float>(x, y, 1) = static_cast<float>(floor + 2 * warm + cold);
+      image.At<float>(x, y, 2) = static_cast<float>(floor + 2 * cold);
+    }
+  }
+  return image;
+}
+
+/// The pages of a model that is seen from the side, z up, the viewer at negative y; one light and
+/// surroundings as fields/light_sampling.h has them.
+void WritePages(const std::filesystem::path& folder) {
+  RandomRelightableShape shape;
+  shape.columns = 200;
+  const RelightableModel r = AsStored(Random(shape));
+  Eigen::Matrix3d camera_from_world;
+  camera_from_world << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  WriteRelightPages(EncodeRelightable(r), "A <sample>", folder, camera_from_world);
+  const LightCells cells = MakeLightCells(r.kind, r.directions);
+  const LightVector light = SampleDirection(cells, TriangulateLights(r.directions), {0.3, -0.4, 1});
+  WriteImage(MakeSurroundings(), folder / "surroundings.hdr");
+  const LightProbe probe = ReadLightProbe(folder / "surroundings.hdr");
+  const nlohmann::json json = {
+      {"light", WritePicture(r, WithChannels(light, 3), -1, folder / "light")},
+      {"surroundings",
+       WritePicture(r, SampleProbe(cells, probe, 40), -1, folder / "surroundings")}};
+  WriteFileAtomically(folder / "gains.json", json.dump());
 }
 
 void WriteSamples(const std::filesystem::path& folder) {
@@ -144,11 +190,7 @@ void WriteSamples(const std::filesystem::path& folder) {
   RelightableModel views = Random({});
   views.kind = FieldColumns::kViews;
   WriteRelightable(views, folder / "other" / "views.lfr");
-  // Seen from the side, z up: the viewer stands at negative y.
-  Eigen::Matrix3d camera_from_world;
-  camera_from_world << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  WriteRelightPages(EncodeRelightable(Random({})), "A <sample>", folder / "pages",
-                    camera_from_world);
+  WritePages(folder / "pages");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ import { PointLight } from './point_light.js';
 import {
   directionOfMap, kMapHeight, kMapWidth, mapOfDirection, solidAngleOfRow,
 } from './surroundings.js';
-import { dot, vectorAt } from './vectors.js';
+import { angleBetween, dot, vectorAt } from './vectors.js';
 
 const kLuminance = [0.2126, 0.7152, 0.0722];
 
@@ -67,8 +67,7 @@ export class ModelLight {
 
   /** What owns each texel of a map: the nearest direction, none beyond the rim of a dome. */
   makeCells() {
-    const find = this.cube === null
-      ? nearestFinder(this.model.directions, this.point.reach)
+    const find = this.cube === null ? this.cellFinder()
       : (direction) => texelOf(this.cube, direction);
     const owner = new Int32Array(kMapWidth * kMapHeight);
     const solidAngles = new Float64Array(this.count);
@@ -80,6 +79,16 @@ export class ModelLight {
       if (owner[i] >= 0) solidAngles[owner[i]] += solidAngleOfRow(y);
     }
     return { owner, solidAngles };
+  }
+
+  // The nearest direction; -1 where none reaches.
+  cellFinder() {
+    const { model: { directions }, point } = this, nearest = nearestFinder(directions);
+    return (direction) => {
+      const index = nearest(direction);
+      const angle = angleBetween(vectorAt(directions, index), direction);
+      return point.reaches(direction, angle) ? index : -1;
+    };
   }
 
   averageTexels(light, map, degrees) {

@@ -4,18 +4,17 @@ import { vectorAt } from './vectors.js';
 
 /**
  * A function of a unit direction: the index of the nearest of `directions` (x, y, z each), the first
- * of equal ones; -1 where none is nearer than `limit` radians.
+ * of equal ones.
  */
-export function nearestFinder(directions, limit = Math.PI) {
+export function nearestFinder(directions) {
   const count = directions.length / 3;
   const order = Uint32Array.from({ length: count }, (_, i) => i)
     .sort((a, b) => directions[3 * a + 2] - directions[3 * b + 2] || a - b);
   const sorted = Float64Array.from({ length: 3 * count }, (_, i) =>
     directions[3 * order[Math.floor(i / 3)] + i % 3]);
-  const mostSquare = (2 * Math.sin(Math.min(limit, Math.PI) / 2)) ** 2 * (1 + 1e-12);
   return (direction) => {
     const [x, y, z] = direction;
-    let square = mostSquare, best = -1;
+    let square = Infinity, best = -1;
     // Up and down from z, until the height alone is too far away.
     const start = firstAbove(sorted, z);
     const look = (i) => {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parallel light from any direction, as shares of the directions that a model knows.
+// Parallel light from any direction, as shares of the directions that a model knows; the rules of
+// fields/light_triangulation.h.
 import { sphericalHull } from './spherical_hull.js';
 import { angleBetween, cross, dot, vectorAt } from './vectors.js';
 
-const kSame = 1e-4; // radians: closer directions are one
+const kSame = 1e-4; // radians: of closer directions the first counts
 const kMostHull = 5000; // directions; of more, the nearest alone gives light
 const kWideGap = 3; // times the usual triangle: no light was taken there
-const kLeastGap = 20 * Math.PI / 180; // radians; smaller triangles are no gaps
+const kLeastGap = Math.PI / 6; // radians; smaller triangles are no gaps
 const kMostGap = 89.9 * Math.PI / 180; // larger ones do not surround a direction
 const kSameAngle = 1e-9; // radians
 
@@ -26,10 +27,12 @@ export class PointLight {
     const usual = proper[proper.length >> 1];
     const widest = Math.min(Math.max(kWideGap * usual, kLeastGap), kMostGap);
     this.triangles = hull.filter((_, i) => caps[i] <= widest);
-    /** How far from its direction light may come, in radians: half way between any two. */
-    this.reach = this.triangles.length === 0 ? Math.PI
-      : Math.max(...caps.filter((cap) => cap <= widest));
     this.rim = this.makeRim(hull);
+    const lengths = this.triangles.length > 0 ? caps.filter((cap) => cap <= widest)
+      : this.rim.map(([a, b]) => angleBetween(this.points[a], this.points[b]));
+    // From a direction, in radians, as far as light reaches outside the triangles.
+    this.reach = lengths.length === 0 ? Math.PI / 2
+      : lengths.sort((a, b) => a - b)[lengths.length >> 1];
   }
 
   // Where triangles end. Points of one great circle have none: what joins them is all there is.
@@ -44,10 +47,14 @@ export class PointLight {
   /** [{index, share}] of directions; shares are positive and sum to 1. */
   sharesOf(direction) {
     const found = this.insideTriangle(direction) ?? this.onRim(direction);
-    return found.filter(([, share]) => share > 0).flatMap(([site, share]) => {
-      const { indices } = this.sites[site];
-      return indices.map((index) => ({ index, share: share / indices.length }));
-    });
+    return found.filter(([, share]) => share > 0)
+      .map(([site, share]) => ({ index: this.sites[site].index, share }));
+  }
+
+  /** Whether surroundings in `direction`, `angle` from the nearest one, are told by these. */
+  reaches(direction, angle) {
+    const surrounded = this.triangles.length > 0 && this.rim.length === 0;
+    return surrounded || angle <= this.reach || this.insideTriangle(direction) !== null;
   }
 
   insideTriangle(direction) {
@@ -99,11 +106,8 @@ function distinct(directions) {
       const key = [x + n % 3 - 1, y + Math.floor(n / 3) % 3 - 1, z + Math.floor(n / 9) - 1].join();
       site = cells.get(key)?.find((other) => angleBetween(other.point, point) < kSame) ?? null;
     }
-    if (site !== null) {
-      site.indices.push(i);
-      continue;
-    }
-    site = { point, indices: [i] };
+    if (site !== null) continue;
+    site = { point, index: i };
     sites.push(site);
     const key = [x, y, z].join();
     cells.set(key, [...cells.get(key) ?? [], site]);

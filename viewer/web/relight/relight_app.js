@@ -14,7 +14,9 @@ import { RelightPanel } from './relight_panel.js';
 import { RelitPicture } from './relit_picture.js';
 import { readSettings } from './settings.js';
 import { readMap } from './surroundings.js';
-import { anglesOf, directionAt, turned, uprightFrameOf, viewFrameOf } from './view_frame.js';
+import {
+  anglesOf, directionAt, turned, turnOfWorld, uprightFrameOf, viewFrameOf,
+} from './view_frame.js';
 
 const kFirstPlace = [-0.35, 0.35]; // of the light, in the picture
 const kStep = 5; // degrees
@@ -148,15 +150,20 @@ class RelightApp {
     return this.maps[this.around] ??= makeSurroundings(this.around);
   }
 
+  /** Of the map, degrees. */
+  get turn() {
+    return this.settings.turn + (this.around === 'own' ? turnOfWorld(this.upright) : 0);
+  }
+
   relight() {
     if (this.model === null || this.broken) return;
     const { around } = this;
     const light = this.vector ?? (around === '' ? this.light.parallel(this.direction)
-      : this.light.surroundings(this.map, this.settings.turn));
+      : this.light.surroundings(this.map, this.turn));
     this.picture.residuals = this.residuals;
     this.picture.setLight(prepareLight(this.model, light), this.gain);
     if (around === '') this.ball.showLight(this.direction);
-    else this.ball.showSurroundings(this.map, this.settings.turn);
+    else this.ball.showSurroundings(this.map, this.turn);
     this.showPanel();
   }
 

@@ -70,3 +70,13 @@ export function anglesOf(frame, direction) {
   return [Math.atan2(x, z), Math.asin(Math.max(-1, Math.min(1, y)))]
     .map((angle) => angle * 180 / Math.PI);
 }
+
+/**
+ * Degrees that the picture of surroundings of the user's own is turned by, before any other turn:
+ * where +z is up its middle lies at +x of the world, as fields/light_probe.h has it; else behind the
+ * object.
+ */
+export function turnOfWorld({ up, front }) {
+  if (up[2] !== 1) return 0;
+  return Math.atan2(front[1], -front[0]) * 180 / Math.PI;
+}
