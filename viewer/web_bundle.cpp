@@ -14,11 +14,23 @@
 LFM_EMBED(lfm_web_app_js, LFM_WEB_BUNDLE "/app.js")
 LFM_EMBED(lfm_web_index_html, LFM_WEB_BUNDLE "/index.html")
 LFM_EMBED(lfm_web_single_html, LFM_WEB_BUNDLE "/single.html")
+LFM_EMBED(lfm_web_relight_app_js, LFM_WEB_BUNDLE "/relight_app.js")
+LFM_EMBED(lfm_web_relight_index_html, LFM_WEB_BUNDLE "/relight_index.html")
+LFM_EMBED(lfm_web_relight_single_html, LFM_WEB_BUNDLE "/relight_single.html")
 
 namespace lfm::web_bundle {
 
 std::string_view AppJs() { return {lfm_web_app_js_begin, lfm_web_app_js_end}; }
 std::string_view IndexHtml() { return {lfm_web_index_html_begin, lfm_web_index_html_end}; }
 std::string_view SingleHtml() { return {lfm_web_single_html_begin, lfm_web_single_html_end}; }
+std::string_view RelightAppJs() {
+  return {lfm_web_relight_app_js_begin, lfm_web_relight_app_js_end};
+}
+std::string_view RelightIndexHtml() {
+  return {lfm_web_relight_index_html_begin, lfm_web_relight_index_html_end};
+}
+std::string_view RelightSingleHtml() {
+  return {lfm_web_relight_single_html_begin, lfm_web_relight_single_html_end};
+}
 
 }  // namespace lfm::web_bundle

@@ -9,13 +9,12 @@
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/markup_text.h"
+#include "viewer/page_marks.h"
 #include "viewer/web_bundle.h"
 
 namespace lfm {
 namespace {
 
-// Places in the pages, each there once (viewer/web/build.mjs).
-constexpr std::string_view kTitleMark = "@LFM_TITLE@", kModelMark = "@LFM_MODEL_BASE64@";
 constexpr std::string_view kModelElement = R"(<template id="model">@LFM_MODEL_BASE64@</template>)";
 constexpr std::string_view kModelName = R"(<meta name="model" content="model.glb">)";
 constexpr std::string_view kSceneName = R"(<meta name="model" content="scene.json">)";
@@ -29,18 +28,6 @@ struct WebScene {
   std::vector<File> files;  ///< all different
   std::string json;         ///< empty for one model where it is
 };
-
-// The page with what stands for `mark` in its one place.
-std::string Filled(std::string_view page, std::string_view mark, std::string_view text) {
-  const size_t at = page.find(mark);
-  if (at == std::string_view::npos) {
-    throw Error("the web page has no place for " + std::string(mark), ErrorKind::kSystem);
-  }
-  std::string filled;
-  filled.reserve(page.size() + text.size());
-  filled.append(page.substr(0, at)).append(text).append(page.substr(at + mark.size()));
-  return filled;
-}
 
 void RequirePlace(const Placement& placement) {
   const Pose& pose = placement.world_from_model;
@@ -86,15 +73,15 @@ std::string SinglePage(const WebScene& scene, const std::string& title) {
   // The models first: a title may be anything, base 64 holds no mark.
   std::string page;
   if (scene.json.empty()) {
-    page = Filled(web_bundle::SingleHtml(), kModelMark, Base64(scene.files[0].glb));
+    page = FillMark(web_bundle::SingleHtml(), kModelMark, Base64(scene.files[0].glb));
   } else {
     std::string elements = "<template id=\"scene\">" + scene.json + "</template>";
     for (const WebScene::File& file : scene.files) {
       elements += "\n<template data-file=\"" + file.name + "\">" + Base64(file.glb) + "</template>";
     }
-    page = Filled(web_bundle::SingleHtml(), kModelElement, elements);
+    page = FillMark(web_bundle::SingleHtml(), kModelElement, elements);
   }
-  return Filled(page, kTitleMark, EscapeMarkup(title));
+  return FillMark(page, kTitleMark, EscapeMarkup(title));
 }
 
 // Earlier pages of more models leave some behind, which these pages do not show.
@@ -107,25 +94,11 @@ void RemoveEarlierModels(const WebScene& scene, const std::filesystem::path& fol
 
 std::string ServedPage(const WebScene& scene, const std::string& title) {
   std::string page(web_bundle::IndexHtml());
-  if (!scene.json.empty()) page = Filled(page, kModelName, kSceneName);
-  return Filled(page, kTitleMark, EscapeMarkup(title));
+  if (!scene.json.empty()) page = FillMark(page, kModelName, kSceneName);
+  return FillMark(page, kTitleMark, EscapeMarkup(title));
 }
 
 }  // namespace
-
-std::string Base64(std::string_view bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text((bytes.size() + 2) / 3 * 4, '=');
-  for (size_t i = 0, to = 0; i < bytes.size(); i += 3, to += 4) {
-    uint32_t group = 0;
-    const size_t count = bytes.size() - i < 3 ? bytes.size() - i : 3;
-    for (size_t k = 0; k < count; ++k) {
-      group |= static_cast<uint32_t>(static_cast<uint8_t>(bytes[i + k])) << (16 - 8 * k);
-    }
-    for (size_t k = 0; k <= count; ++k) text[to + k] = kDigits[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
 
 void WriteWebFolder(std::span<const WebModel> models, const std::string& title,
                     const std::filesystem::path& folder) {

@@ -36,7 +36,4 @@ void WriteWebFolder(std::span<const WebModel> models, const std::string& title,
 void WriteWebFolder(std::string_view glb, const std::string& title,
                     const std::filesystem::path& folder);
 
-/// RFC 4648, with padding.
-std::string Base64(std::string_view bytes);
-
 }  // namespace lfm

@@ -11,6 +11,7 @@
 #include "encode/glb.h"
 #include "synthetic_model.h"
 #include "tests/support/scratch_folder.h"
+#include "viewer/page_marks.h"
 
 namespace lfm {
 namespace {
@@ -37,17 +38,6 @@ void ExpectSamePlace(const Placement& found, const Placement& expected) {
             kPlacement_abs);
   EXPECT_EQ(found.world_from_model.translation, expected.world_from_model.translation);
   EXPECT_EQ(found.scale, expected.scale);
-}
-
-// The vectors of RFC 4648, section 10.
-TEST(Base64, IsThatOfTheStandard) {
-  EXPECT_EQ(Base64(""), "");
-  EXPECT_EQ(Base64("f"), "Zg==");
-  EXPECT_EQ(Base64("fo"), "Zm8=");
-  EXPECT_EQ(Base64("foo"), "Zm9v");
-  EXPECT_EQ(Base64("foob"), "Zm9vYg==");
-  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(Base64(std::string("\xff\xfe\x00", 3)), "//4A");
 }
 
 TEST(WebPage, HoldsModelAndTitleAndAsksForNothing) {

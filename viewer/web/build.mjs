@@ -8,6 +8,9 @@
 //                                template with it is to be replaced by those that
 //                                src/model_bytes.js finds
 //   lfm-surface-light-field.js   the plugin for GLTFLoader, three.js not included
+//   relight_index.html, relight_app.js, relight_single.html   the same three for a model.lfr, which
+//                                is to be relit; @LFM_CAMERA@ is to be replaced by nothing, or by
+//                                the numbers that relight/view_frame.js wants
 import { createHash } from 'node:crypto';
 import { mkdir, readFile, writeFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
@@ -16,6 +19,12 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const kModelPlaceholder = '@LFM_MODEL_BASE64@';
 const kTitlePlaceholder = '@LFM_TITLE@';
+const kPages = [
+  { prefix: '', entry: 'src/app.js', template: 'page/page.html', styles: ['page/page.css'],
+    model: 'model.glb' },
+  { prefix: 'relight_', entry: 'relight/relight_app.js', template: 'relight/relight.html',
+    styles: ['page/page.css', 'relight/relight.css'], model: 'model.lfr' },
+];
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 
@@ -55,18 +64,29 @@ async function main(out, nodeModules) {
   // From the folder given: it need not be above this one.
   const esbuildFile = createRequire(path.join(nodeModules, 'x.js')).resolve('esbuild');
   const { default: esbuild } = await import(pathToFileURL(esbuildFile));
-  const app = await bundle(esbuild, nodeModules, {
-    entryPoints: [path.join(here, 'src/app.js')], format: 'iife',
-  });
   const library = await bundle(esbuild, nodeModules, {
     entryPoints: [path.join(here, 'src/index.js')], format: 'esm', external: ['three'],
     minify: false,
   });
-  const template = await readFile(path.join(here, 'page/page.html'), 'utf8');
-  const style = (await readFile(path.join(here, 'page/page.css'), 'utf8')).trim();
+  await mkdir(out, { recursive: true });
+  const write = (name, text) => writeFile(path.join(out, name), `${text.trimEnd()}\n`);
+  await write('lfm-surface-light-field.js', library);
+  for (const { prefix, ...sources } of kPages) {
+    const page = await makePage(sources, (options) => bundle(esbuild, nodeModules, options));
+    await write(`${prefix}index.html`, page.folder);
+    await write(`${prefix}app.js`, page.app);
+    await write(`${prefix}single.html`, page.single);
+  }
+}
+
+/** The texts of a page: its script, and the page with it inside or beside. */
+async function makePage({ entry, template: file, styles, model }, bundleApp) {
+  const read = (name) => readFile(path.join(here, name), 'utf8');
+  const app = await bundleApp({ entryPoints: [path.join(here, entry)], format: 'iife' });
+  const template = await read(file);
+  const style = (await Promise.all(styles.map(read))).join('').trim();
   requireInline(app, 'the script');
   requireInline(style, 'the style');
-
   const single = fill(template, {
     POLICY: `default-src 'none'; script-src ${hashOf(app)}; style-src ${hashOf(style)}; ` +
             "base-uri 'none'; form-action 'none'",
@@ -79,17 +99,12 @@ async function main(out, nodeModules) {
     POLICY: `default-src 'none'; script-src 'self'; style-src ${hashOf(style)}; ` +
             "connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'",
     // Without one, browsers ask the server for favicon.ico.
-    HEAD: '<meta name="model" content="model.glb">\n<link rel="icon" href="data:,">',
+    HEAD: `<meta name="model" content="${model}">\n<link rel="icon" href="data:,">`,
     TITLE: kTitlePlaceholder,
     STYLE: style,
     SCRIPT: '<script src="app.js" defer></script>',
   });
-  await mkdir(out, { recursive: true });
-  const write = (name, text) => writeFile(path.join(out, name), `${text.trimEnd()}\n`);
-  await write('index.html', folder);
-  await write('app.js', app);
-  await write('single.html', single);
-  await write('lfm-surface-light-field.js', library);
+  return { app, single, folder };
 }
 
 const [out, nodeModules] = process.argv.slice(2);

@@ -3,6 +3,7 @@
 import { findModels } from './model_bytes.js';
 import { ModelError } from './model_error.js';
 import { listenForOrbit } from './orbit_input.js';
+import { messageOf, startPage, untilRead } from './page_start.js';
 import { Panel } from './panel.js';
 import { ShownScene } from './shown_scene.js';
 import { Stage } from './stage.js';
@@ -49,10 +50,7 @@ class App {
   }
 
   async show() {
-    // In the single file the model stands behind this script: what needs no model is done by now.
-    if (document.readyState === 'loading') {
-      await new Promise((resolve) => document.addEventListener('DOMContentLoaded', resolve));
-    }
+    await untilRead(); // what needs no model is done by now
     this.times.pageRead = performance.now();
     this.models = new ShownScene(this.stage.scene, await findModels(),
                                  { decodeBlocks: this.settings.blocks === 'decode' });
@@ -164,11 +162,6 @@ class App {
   }
 }
 
-function messageOf(error) {
-  return error instanceof ModelError ? error.message
-    : `this page could not show its model (${error?.message ?? error})`;
-}
-
 /** After what was drawn last has gone to the screen. */
 function nextPicture() {
   return new Promise((resolve) => {
@@ -176,34 +169,8 @@ function nextPicture() {
   });
 }
 
-function start() {
-  const panel = new Panel();
-  let app = null;
-  const fail = (error) => {
-    if (app !== null) app.fail(error);
-    else panel.fail(error.message);
-  };
-  window.addEventListener('error', (event) => fail(event.error ?? event));
-  window.addEventListener('unhandledrejection', (event) => {
-    event.preventDefault();
-    fail(event.reason);
-  });
-  try {
-    app = new App(panel);
-  } catch (error) {
-    panel.fail(error.message);
-    window.lfm = { ready: Promise.resolve(), state: () => ({ error: error.message }) };
-    return;
-  }
-  const ready = app.show().catch((error) => app.fail(error)).then(() => app.state());
-  // For pages that drive this one; settings are those of the address.
-  window.lfm = {
-    ready,
-    state: () => app.state(),
-    set: (settings) => app.set(settings),
-    picture: () => app.stage.picture(),
-    measureFrames: (count) => app.stage.measureFrames(count),
-  };
-}
-
-start();
+const panel = new Panel();
+startPage(panel, () => new App(panel), (app) => ({
+  picture: () => app.stage.picture(),
+  measureFrames: (count) => app.stage.measureFrames(count),
+}));

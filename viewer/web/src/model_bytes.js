@@ -2,6 +2,7 @@
 // Where the page has its models: inside itself, or beside it.
 import { GlbSource } from './glb_source.js';
 import { ModelError } from './model_error.js';
+import { declaredBytes, fetchBeside, takeBytes, textOf } from './page_files.js';
 import { kWhereItIs } from './placement.js';
 import { parseScene } from './scene_description.js';
 
@@ -38,58 +39,24 @@ export async function findModels() {
   });
 }
 
-const textOf = (element) => element.content.textContent.trim();
-
 function elementOfFile(file) {
   const elements = [...document.querySelectorAll('template[data-file]')];
   return elements.find((element) => element.dataset.file === file) ?? null;
 }
 
 function openInside(element, name) {
-  const text = element === null ? '' : textOf(element);
-  if (text === '' || text.startsWith('@')) {
+  const bytes = takeBytes(element, name);
+  if (bytes === null) {
     throw new ModelError(element?.id === 'model' ? 'there is no model in this page'
       : `${name}: not there; make the page again`);
   }
-  let bytes;
-  try {
-    bytes = bytesOfBase64(text);
-  } catch {
-    throw new ModelError(`${name}: damaged; save or make the page again`);
-  }
-  element.remove();
   return GlbSource.fromBytes(bytes, name);
-}
-
-function bytesOfBase64(text) {
-  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
-  const binary = atob(text);
-  const bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < binary.length; ++i) bytes[i] = binary.charCodeAt(i);
-  return bytes;
-}
-
-async function fetchBeside(url, file) {
-  let response;
-  try {
-    response = await fetch(url);
-  } catch {
-    throw new ModelError(
-      window.location.protocol === 'file:'
-        ? `${file}: pages on the disk may not read it; serve this folder (python3 -m http.server)`
-        : `${file}: the server does not answer; load the page again`);
-  }
-  if (!response.ok || response.body === null) {
-    throw new ModelError(`${file}: the server answers ${response.status}; ` +
-                         'put the model beside index.html');
-  }
-  return response;
 }
 
 async function openBeside(url, file, note) {
   const response = await fetchBeside(url, file);
   return GlbSource.fromStream(response.body, file, {
-    declaredBytes: Number(response.headers.get('content-length') ?? 0),
+    declaredBytes: declaredBytes(response),
     onProgress: (bytes, total) => note(Math.min(1, bytes / Math.max(total, 1))),
   });
 }

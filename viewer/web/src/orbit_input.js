@@ -40,7 +40,8 @@ function wheelSteps(event) {
   return deltaMode === 2 ? deltaY : deltaY / kPixelsPerWheelStep;
 }
 
-function isTyping(event) {
+/** Whether keys belong to a control, or to the browser. */
+export function isTyping(event) {
   return event.altKey || event.ctrlKey || event.metaKey ||
     (event.target instanceof Element && event.target.matches('input, select, textarea'));
 }

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The controls on the page and what it says.
+import { element, PagePanel } from './page_panel.js';
 
-const kHintSeconds = 8;
-
-const element = (id) => document.getElementById(id);
-
-export class Panel {
+export class Panel extends PagePanel {
   constructor() {
-    element('title').textContent = document.title;
+    super();
     this.terms = 0;
     this.loaded = 0;
-    const full = element('full');
-    full.hidden = !document.fullscreenEnabled;
-    full.addEventListener('click', toggleFullScreen);
-    document.addEventListener('fullscreenchange', () => {
-      full.setAttribute('aria-pressed', String(document.fullscreenElement !== null));
-    });
   }
 
   listen({ setTerms, toggleMean, home }) {
@@ -23,29 +14,18 @@ export class Panel {
     slider.addEventListener('input', () => setTerms(Number(slider.value)));
     element('mean').addEventListener('click', toggleMean);
     element('home').addEventListener('click', home);
-    const keys = {
+    this.listenToKeys({
       m: toggleMean,
       r: home,
-      f: () => element('full').hidden || toggleFullScreen(),
       ']': () => setTerms(Number(slider.value) + 1),
       '[': () => setTerms(Number(slider.value) - 1),
-    };
-    window.addEventListener('keydown', (event) => {
-      if (event.altKey || event.ctrlKey || event.metaKey) return;
-      const key = event.key.toLowerCase();
-      if (Object.hasOwn(keys, key)) keys[key]();
     });
-  }
-
-  setShown(shown) {
-    document.body.classList.toggle('bare', !shown);
   }
 
   setModel(terms) {
     this.terms = terms;
     element('terms').max = terms;
-    element('controls').hidden = false;
-    setTimeout(() => this.hideHint(), 1000 * kHintSeconds);
+    this.showControls();
   }
 
   setTerms(terms, meanOnly) {
@@ -60,9 +40,7 @@ export class Panel {
 
   /** `share`: of all work, 0 to 1. */
   setProgress(share, loadedTerms) {
-    const bar = element('progress');
-    bar.value = share;
-    bar.hidden = share >= 1;
+    super.setProgress(share);
     this.loaded = loadedTerms;
     this.describe();
   }
@@ -71,32 +49,4 @@ export class Panel {
     const loading = this.loaded < this.terms ? `, ${this.loaded} loaded` : '';
     element('count').textContent = `${this.shown ?? ''}${loading}`;
   }
-
-  hideHint() {
-    element('hint').classList.add('gone');
-  }
-
-  fail(message) {
-    this.say(message);
-    element('progress').hidden = true;
-    this.hideHint();
-  }
-
-  /** Beside what can be shown. */
-  warn(message) {
-    this.say(message);
-    element('error').classList.add('aside');
-  }
-
-  say(message) {
-    element('error').textContent = message;
-    element('error').classList.remove('aside');
-    element('error').hidden = false;
-  }
-}
-
-function toggleFullScreen() {
-  const done = document.fullscreenElement === null ? document.documentElement.requestFullscreen()
-    : document.exitFullscreen();
-  done?.catch(() => {}); // the browser may refuse, and then nothing changes
 }
