@@ -4,6 +4,7 @@
 #include <string>
 
 #include "calib/calib_files.h"
+#include "core/atomic_file.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/image.h"
@@ -14,6 +15,9 @@
 #include "encode/encode_pictures.h"
 #include "encode/memory_need.h"
 #include "encode/option_effects.h"
+#include "fields/field_encoding.h"
+#include "fields/relightable_file.h"
+#include "fields/vertex_functions.h"
 
 namespace {
 
@@ -32,6 +36,42 @@ struct OutputOptions {
                   {"off", "disc", "as-is"}, afx);
   }
 };
+
+/// The light field as functions of vertices in place of surface and view maps.
+struct VertexModelOptions {
+  bool vertex_model = false;
+  lfm::VertexFunctionOptions functions;
+  lfm::FieldEncodeOptions encode;
+  void Declare(lfm::OptionVisitor& v) {
+    v.Flag({"vertex-model",
+            "Write WORK/encode/model.lfr in place of model.glb: what each vertex sends into every "
+            "direction, in clusters with a basis each (--field-method and the options below)."},
+           vertex_model);
+    functions.Declare(v);
+    encode.Declare(v);
+  }
+};
+
+void EncodeVertices(const lfm::LightField& light_field, const VertexModelOptions& options,
+                    const std::filesystem::path& folder, lfm::Progress& progress) {
+  const lfm::VertexFunctions vertices =
+      lfm::ReadVertexFunctions(light_field, options.functions, progress);
+  lfm::FieldEncodeResult result = lfm::EncodeField(vertices.field, options.encode, progress);
+  result.model.triangles = light_field.mesh().triangles;
+  result.figures["unseen_vertices"] = vertices.unseen_vertices.size();
+  lfm::WriteRelightable(result.model, folder / "model.lfr");
+  lfm::WriteFileAtomically(folder / "vertex_model.json", result.figures.dump(2) + "\n");
+  char line[200];
+  std::snprintf(line, sizeof line,
+                "%lld vertices, %.1f : 1, relative error %.5f (without residual %.5f); model.lfr "
+                "%.2f MB",
+                static_cast<long long>(vertices.field.points),
+                result.figures["compression_ratio"].get<double>(),
+                result.figures.value("relative_error", 0.0),
+                result.figures.value("relative_error_without_residual", 0.0),
+                result.figures["model_bytes"].get<double>() * 1e-6);
+  progress.Note(line);
+}
 
 std::string WriteAfx(const lfm::LightFieldModel& model, const OutputOptions& output,
                      const std::filesystem::path& folder) {
@@ -100,6 +140,8 @@ int main(int argc, char** argv) {
   OutputOptions output;
   command.Options(lfm::AnyOptions(options));
   command.Options(lfm::AnyOptions(output), "Output");
+  VertexModelOptions vertices;
+  command.Options(lfm::AnyOptions(vertices), "Functions of vertices");
   return command.Run(argc, argv, [&](lfm::Progress& progress) {
     const std::filesystem::path work = work_folder;
     const auto given = [&command](const std::string& name) { return command.Given(name); };
@@ -124,6 +166,10 @@ int main(int argc, char** argv) {
     lfm::RequireWritableFolder(work / "encode");
     const lfm::LightField light_field = lfm::LightField::Open(work / "resample" / "light_field.lfs",
                                                               lfm::ResidentFileBytes(options));
+    if (vertices.vertex_model) {
+      EncodeVertices(light_field, vertices, work / "encode", progress);
+      return;
+    }
     const lfm::LightFieldSource source = lfm::SourceFromLightField(
         light_field, Eyes(work / "calib", light_field, options, given("fill"), progress));
     const lfm::EncodeResult result = lfm::Encode(source, options, progress);
