@@ -92,7 +92,7 @@ Eigen::VectorXd Polished(const Eigen::MatrixXd& functions, const Eigen::VectorXd
 Eigen::VectorXd SolveHuberProgramme(const Eigen::MatrixXd& functions, const Eigen::VectorXd& target,
                                     double gamma) {
   constexpr int kMostSteps = 100;
-  constexpr double kBackOff = 0.995, kTolerance = 1e-9;
+  constexpr double kBackOff = 0.995, kFinest = 1e-10, kAllowed = 1e-6;
   if (functions.rows() == 0) return Eigen::VectorXd(0);
   Point at;
   at.x = (functions * functions.transpose()).ldlt().solve(functions * target);
@@ -100,8 +100,12 @@ Eigen::VectorXd SolveHuberProgramme(const Eigen::MatrixXd& functions, const Eige
   const Eigen::ArrayXd rest = (target - functions.transpose() * at.x).array();
   at.above = rest.max(0) + gamma;
   at.below = (-rest).max(0) + gamma;
-  const double finest = kTolerance * gamma * gamma;
-  for (int i = 0; i < kMostSteps && Complementarity(at, gamma) > finest; ++i) {
+  const double scale = gamma * functions.cwiseAbs().sum();
+  const auto slope = [&](const Eigen::VectorXd& x) {
+    return Gradient(functions, target, gamma, x).cwiseAbs().maxCoeff();
+  };
+  // Where a residual is gamma itself the slope shrinks slowly, and rounding may come first.
+  for (int i = 0; i < kMostSteps && slope(at.x) > kFinest * scale; ++i) {
     // Where full steps lead without a barrier says how far to lower it (Mehrotra 1992).
     const Point straight = Direction(functions, target, gamma, at, 0);
     const double now = Complementarity(at, gamma);
@@ -109,12 +113,13 @@ Eigen::VectorXd SolveHuberProgramme(const Eigen::MatrixXd& functions, const Eige
         Complementarity(Moved(at, straight, kBackOff * LongestStep(at, straight, gamma)), gamma);
     const double aim = now * std::pow(ahead / now, 3);
     const Point step = Direction(functions, target, gamma, at, aim);
-    at = Moved(at, step, kBackOff * LongestStep(at, step, gamma));
+    const Point next = Moved(at, step, kBackOff * LongestStep(at, step, gamma));
+    if (!next.x.allFinite() || !next.y.allFinite() || !(Complementarity(next, gamma) > 0)) break;
+    at = next;
   }
   const Eigen::VectorXd x = Polished(functions, target, gamma, at.x);
   // The objective is convex: a small slope bounds what is left to gain.
-  const double allowed = 1e-6 * gamma * functions.cwiseAbs().sum();
-  if (!(Gradient(functions, target, gamma, x).cwiseAbs().maxCoeff() <= allowed)) {
+  if (!(slope(x) <= kAllowed * scale)) {
     throw Error("the quadratic programme was not solved", ErrorKind::kSystem);
   }
   return x;

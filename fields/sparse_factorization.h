@@ -29,9 +29,17 @@ struct SparseFactors {
   std::vector<double> l1_error;  ///< after the start, then after each alternation; never rises
 };
 
-/// Alternates: all rows of W with F fixed, then all columns of F with W fixed, each an L1 problem
-/// of its own. Basis functions are scaled to unit L2 norm. A matrix of zeros gives no terms; more
-/// terms than min(n, m) are cut to that.
+/// Alternates: all columns of F with W fixed, then all rows of W with F fixed, each an L1 problem
+/// of its own that starts where the last one ended. Stops early when the error does not fall.
+/// Basis functions have unit L2 norm. A matrix of zeros gives no terms; more terms than min(n, m)
+/// are cut to that; terms that nothing uses are dropped.
+///
+/// 500 x 253, 4 terms, one thread (lfm-bench-l1): a low rank with 10 % spikes takes 3 alternations
+/// from PCA, 4 from random, 25 ms, and leaves 90 % of the residual below 1e-3; rows like
+/// reflectance functions take 12 and 75 ms (0.4 s with kExact, to the same error within 2e-5).
+///
+/// Throws Error unless 0 <= terms <= 16, numbers are finite, and with ResidualSign::kPositive when
+/// negative numbers leave no feasible weights.
 SparseFactors FactorizeSparse(RowsView r, const SparseFactorizationOptions& options);
 
 }  // namespace lfm
