@@ -109,14 +109,17 @@ void LoadTargets(RowsView targets, int64_t first, Lanes& group) {
   }
 }
 
-// Start weights of the group's rows for the orthonormal functions.
+// Start weights of the group's rows for the orthonormal functions; absurd ones no more so than
+// float32 can bear.
 void LoadStart(const std::vector<float>& start, const Eigen::MatrixXd& mixing, Lanes& group) {
+  constexpr double kMost = 1e18;
   const Eigen::Index terms = mixing.rows();
   for (int l = 0; l < group.count; ++l) {
     const Eigen::Map<const Eigen::VectorXf> x(start.data() + (group.first + l) * terms, terms);
     const Eigen::VectorXd y = mixing.transpose() * x.cast<double>();
     for (Eigen::Index k = 0; k < y.size(); ++k) {
-      group.weights[k * group.lanes + l] = static_cast<float>(std::ldexp(y[k], -group.exponent[l]));
+      group.weights[k * group.lanes + l] =
+          static_cast<float>(std::clamp(std::ldexp(y[k], -group.exponent[l]), -kMost, kMost));
     }
   }
 }
@@ -161,7 +164,7 @@ void Store(const SharedBasis& shared, const Lanes& group, int columns,
   const float* before = start.data() + group.first * terms;
   const std::vector<double> before_errors = StoredErrors(shared, group, columns, before, kernels);
   for (int l = 0; l < group.count; ++l) {
-    if (before_errors[l] > errors[l]) continue;
+    if (!(before_errors[l] <= errors[l])) continue;  // nor an error beyond all numbers
     std::copy_n(before + l * terms, terms, stored + l * terms);
     solution.errors[group.first + l] = before_errors[l];
   }

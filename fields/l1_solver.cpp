@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/l1_float64.h"
 #include "fields/l1_reweighted.h"
 
 namespace lfm {
@@ -17,9 +18,12 @@ void CheckProblem(RowsView basis, RowsView targets, const L1Options& options,
     throw Error("L1: a basis over " + std::to_string(basis.columns) + " columns for rows of " +
                 std::to_string(targets.columns));
   }
-  if (basis.rows > kernels::kL1Terms) {
+  const bool reference = options.solver == L1Solver::kLinearProgramme ||
+                         options.solver == L1Solver::kQuadraticProgramme;
+  const int most = reference ? 64 : kernels::kL1Terms;
+  if (basis.rows > most) {
     throw Error("L1: " + std::to_string(basis.rows) + " basis functions, more than " +
-                std::to_string(kernels::kL1Terms));
+                std::to_string(most));
   }
   if (!start.empty() && static_cast<int64_t>(start.size()) != targets.rows * basis.rows) {
     throw Error("L1: " + std::to_string(start.size()) + " start weights for " +
@@ -27,6 +31,9 @@ void CheckProblem(RowsView basis, RowsView targets, const L1Options& options,
   }
   if (options.iterations < 0 || options.iterations > 10000) {
     throw Error("L1: " + std::to_string(options.iterations) + " iterations, not 0 to 10000");
+  }
+  if (!(options.huber_gamma > 0) || !std::isfinite(options.huber_gamma)) {
+    throw Error("L1: Huber's gamma is not positive");
   }
   RequireFinite(basis, "L1 basis");
   for (float weight : start) {
@@ -39,8 +46,11 @@ void CheckProblem(RowsView basis, RowsView targets, const L1Options& options,
 L1Solution SolveL1(RowsView basis, RowsView targets, const L1Options& options,
                    const std::vector<float>& start) {
   CheckProblem(basis, targets, options, start);
-  L1Solution solution =
-      SolveReweighted(basis, targets, options.iterations, start, kernels::BestL1Kernels());
+  const bool reweighted =
+      options.solver == L1Solver::kReweighted && options.sign == ResidualSign::kAny;
+  L1Solution solution = reweighted ? SolveReweighted(basis, targets, options.iterations, start,
+                                                     kernels::BestL1Kernels())
+                                   : SolveInFloat64(basis, targets, options, start);
   for (float weight : solution.weights) {
     if (!std::isfinite(weight)) throw Error("L1: a weight is beyond float32");
   }

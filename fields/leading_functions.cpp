@@ -56,7 +56,7 @@ float LargestMagnitude(RowsView matrix) {
 }  // namespace
 
 FunctionRows LeadingFunctions(RowsView matrix, int terms) {
-  constexpr int kSpare = 8, kIterations = 3;
+  constexpr int kSpare = 8, kIterations = 4;
   constexpr double kLeastStrength = 1e-6;
   RequireFinite(matrix, "the matrix");
   const float most = LargestMagnitude(matrix);
