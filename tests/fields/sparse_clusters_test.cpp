@@ -194,6 +194,17 @@ TEST(SparseClusters, LosslessWithoutThreshold) {
   }
 }
 
+TEST(SparseClusters, APositiveResidualIsNowhereNegative) {
+  const Planted planted = Plant(20, 10, 1, 2, 2, 0.1);
+  Field field = planted.field;
+  for (float& v : field.functions.values) v = std::abs(v);
+  SparseClusterOptions options = SmallOptions(2, 2);
+  options.residual_sign = ResidualSign::kPositive;
+  const SparseClusterResult result = ClusterSparse(field, options, SilentProgress());
+  EXPECT_FALSE(result.model.residual_value.empty());
+  for (float v : result.model.residual_value) EXPECT_GT(v, -0.02);
+}
+
 Field FieldOf(int width, int height, int columns, const std::function<float(int64_t, int)>& value) {
   Field field;
   field.name = "made";
