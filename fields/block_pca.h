@@ -54,7 +54,7 @@ struct QuadtreeOptions {
   int largest = 64;  ///< side of the blocks to begin with, a power of two
   int smallest = 1;  ///< not divided further
   QuadtreeRule rule = QuadtreeRule::kWhilePaying;
-  BlockOptions blocks;
+  BlockOptions blocks = {};
 };
 
 /// Blocks divided adaptively into four (Mahajan 2007, Sections 4.2 and 5.3).

@@ -13,10 +13,14 @@ double CompactRows::Energy() const {
   return std::accumulate(energies.begin(), energies.end(), 0.0);
 }
 
-CompactRows CompactedRows(RowsView rows, std::vector<double> energies, double lost_share) {
+CompactRows CompactedRows(RowsView rows, std::vector<double> energies, double lost_share,
+                          int expected) {
   CompactRows result;
   result.energies = std::move(energies);
-  const MatrixTerms terms = TermsOf(rows, {.energy_share = 1 - lost_share});
+  // Any basis will do that holds enough.
+  constexpr double kTolerance = 0.5;
+  const MatrixTerms terms = TermsOf(
+      rows, {.energy_share = 1 - lost_share, .expected_terms = expected, .tolerance = kTolerance});
   result.coordinates = terms.functions.rows > 0 ? TimesTransposed(rows, terms.functions.View())
                                                 : MakeFunctionRows(rows.rows, 1);
   return result;

@@ -18,8 +18,10 @@ struct CompactRows {
 };
 
 /// All but `lost_share` of the energy of `rows`, whose full squared lengths are `energies` (rows
-/// may be coordinates already; what was lost before adds up).
-CompactRows CompactedRows(RowsView rows, std::vector<double> energies, double lost_share);
+/// may be coordinates already; what was lost before adds up). `expected` is how many coordinates
+/// are tried first.
+CompactRows CompactedRows(RowsView rows, std::vector<double> energies, double lost_share,
+                          int expected = 0);
 
 /// Some of them, in the same coordinates.
 CompactRows PartOf(const CompactRows& all, const std::vector<int64_t>& which);

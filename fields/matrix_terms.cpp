@@ -109,7 +109,8 @@ bool AddSubspaceTerms(RowsView a, const TermsOptions& options, Functions functio
                           .energy = result.energy,
                           .share = options.energy_share,
                           .expected_terms = std::min(options.expected_terms, side),
-                          .most_terms = automatic ? side / 3 : side});
+                          .most_terms = automatic ? side / 3 : side,
+                          .tolerance = options.tolerance});
   if (automatic && !subspace.holds_share) return false;
   const int kept = KeptOf(subspace.energies, result.energy, options);
   result.energies.assign(subspace.energies.begin(), subspace.energies.begin() + kept);

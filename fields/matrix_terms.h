@@ -23,7 +23,8 @@ struct TermsOptions {
   double energy_share = 1;  ///< no more terms than hold this share of the energy, 0 to 1
   Centring centring = Centring::kNone;
   TermsMethod method = TermsMethod::kAutomatic;
-  int expected_terms = 0;  ///< where kSubspace starts; changes the time, not what is asked for
+  int expected_terms = 0;   ///< where kSubspace starts; changes the time, not what is asked for
+  double tolerance = 1e-3;  ///< of kSubspace
 };
 
 /// The leading singular vectors of a matrix A (Mahajan 2007, Equation 2: T = U S V^T).
@@ -40,10 +41,10 @@ struct MatrixTerms {
 /// The first terms of `a`: as few as hold `energy_share`, at most `max_terms`. Terms whose singular
 /// value is below 1e-6 of the first (float32 rounding) are left out, so repeated rows, constant
 /// matrices and ranks below what is asked for give fewer terms, and a matrix without rows or with
-/// nothing but zeros none. kSubspace iterates until the energy caught changes by less than 1e-3 of
-/// what is missing; where it cannot hold the share with a third of the smaller side, kAutomatic
-/// goes on to kExact. Magnitudes may lie anywhere in 1e+-25. Deterministic. Throws Error when a
-/// number is not finite or an option is out of range.
+/// nothing but zeros none. kSubspace iterates until the energy caught grows by less than
+/// `tolerance` of what is missing; where it cannot hold the share with a third of the smaller side,
+/// kAutomatic goes on to kExact. Magnitudes may lie anywhere in 1e+-25. Deterministic. Throws Error
+/// when a number is not finite or an option is out of range.
 MatrixTerms TermsOf(RowsView a, const TermsOptions& options);
 
 /// The same without the functions: a third of the time of kExact.

@@ -82,11 +82,13 @@ FunctionRows Orthonormal(FunctionRows columns) {
 
 double Captured(const FunctionRows& projected) { return EnergyOf(projected.View()); }
 
-// Q^T A once its energy hardly changes any more. `basis` becomes the Q that belongs to it.
-FunctionRows Converge(RowsView a, double energy, FunctionRows& basis) {
+// Q^T A once its energy hardly changes any more, or after one round where it is too little for the
+// share anyway. `basis` becomes the Q that belongs to it.
+FunctionRows Converge(RowsView a, const SubspaceTarget& target, bool may_grow,
+                      FunctionRows& basis) {
   constexpr int kMostRounds = 12;
-  constexpr double kTolerance = 1e-3, kLeastMissing = 1e-8;
-  const auto scale = static_cast<float>(1 / std::sqrt(energy));
+  constexpr double kLeastMissing = 1e-8;
+  const auto scale = static_cast<float>(1 / std::sqrt(target.energy));
   FunctionRows projected = TransposedTimes(basis.View(), a);
   double caught = Captured(projected);
   for (int round = 0; round < kMostRounds; ++round) {
@@ -95,8 +97,9 @@ FunctionRows Converge(RowsView a, double energy, FunctionRows& basis) {
     basis = Orthonormal(TimesTransposed(a, scaled.View()));
     projected = TransposedTimes(basis.View(), a);
     const double now = Captured(projected);
-    const double missing = std::max(energy - now, kLeastMissing * energy);
-    const bool settled = now - caught < kTolerance * missing;
+    if (may_grow && now < target.share * target.energy) break;
+    const double missing = std::max(target.energy - now, kLeastMissing * target.energy);
+    const bool settled = now - caught < target.tolerance * missing;
     caught = now;
     if (settled) break;
   }
@@ -128,7 +131,7 @@ Subspace IterateSubspace(RowsView a, const SubspaceTarget& target) {
   const double scale = 1 / std::sqrt(target.energy);
   for (int first = 0;;) {
     basis = Orthonormal(SideBySide(basis, RandomCombinations(a, first, size - first, scale)));
-    FunctionRows projected = Converge(a, target.energy, basis);
+    FunctionRows projected = Converge(a, target, size < most, basis);
     const bool all = basis.columns < size || size == most;  // fewer: the rank is used up
     if (!all && Captured(projected) < target.share * target.energy) {
       first = size;

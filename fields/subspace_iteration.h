@@ -10,11 +10,12 @@ namespace lfm {
 
 /// What a subspace iteration has to find.
 struct SubspaceTarget {
-  int terms = 0;           ///< no more are of interest
-  double energy = 0;       ///< of the whole matrix
-  double share = 1;        ///< of the energy: fewer terms do when they hold it
-  int expected_terms = 0;  ///< where to start; 0: unknown
-  int most_terms = 0;      ///< give up beyond: the subspace is not worth it
+  int terms = 0;            ///< no more are of interest
+  double energy = 0;        ///< of the whole matrix
+  double share = 1;         ///< of the energy: fewer terms do when they hold it
+  int expected_terms = 0;   ///< where to start; 0: unknown
+  int most_terms = 0;       ///< give up beyond: the subspace is not worth it
+  double tolerance = 1e-3;  ///< iterate until the energy caught grows by less of what is missing
 };
 
 /// Ritz pairs of A A^T on an orthonormal basis of columns.

@@ -11,9 +11,9 @@
 namespace lfm {
 
 /// Rows of known clusters: cluster c's rows are random combinations of `terms` random functions of
-/// its own; clusters take turns row by row.
+/// its own, with `bias` more of the first; clusters take turns row by row.
 inline FunctionRows PlantedRows(int clusters, int rows_each, int terms, int columns, uint32_t seed,
-                                double scale = 1) {
+                                double scale = 1, double bias = 0) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::vector<std::vector<double>> functions(static_cast<size_t>(clusters * terms));
@@ -24,7 +24,7 @@ inline FunctionRows PlantedRows(int clusters, int rows_each, int terms, int colu
   for (int64_t row = 0; row < rows.rows; ++row) {
     std::vector<double> sum(static_cast<size_t>(columns));
     for (int t = 0; t < terms; ++t) {
-      const double weight = normal(random);
+      const double weight = normal(random) + (t == 0 ? bias : 0);
       const std::vector<double>& function = functions[row % clusters * terms + t];
       for (int j = 0; j < columns; ++j) sum[j] += weight * function[j];
     }
