@@ -48,7 +48,8 @@ Capture OpenManifest(const fs::path& folder) {
 }
 
 Capture OpenFolder(const fs::path& folder, const FieldCaptureOptions& options, Progress& progress) {
-  if (fs::exists(folder / kManifest)) return OpenManifest(folder);
+  std::error_code error;
+  if (fs::exists(folder / kManifest, error)) return OpenManifest(folder);
   if (IsDiligentFolder(folder)) return OpenDiligentCapture(folder, options, progress);
   std::vector<fs::path> files = LpFilesIn(folder);
   if (files.empty()) files = LpFilesIn(folder / kAssembly);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/fields/field_files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -103,6 +105,35 @@ TEST(LpFile, EveryFileThatIsCutShortIsRefused) {
   for (size_t length = 0; length <= last_number; ++length) {
     ExpectErrorWith({"x.lp"}, [&] { ParseLp(whole.substr(0, length), "x.lp"); });
   }
+}
+
+TEST(LpFile, DamageGivesDirectionsOrOneLineOfError) {
+  const std::string whole = "3\r\n\"a b.jpg\" 0.36 0.48 0.8\r\nb.jpg\t6e-1 0 +.8\n#x\nd 0 0 1.25\n";
+  const std::string bytes("\0\r\n\t \"#.-+eE019xn\xef\xbb\xbf\xff", 21);
+  std::mt19937 random(11);
+  int read = 0, refused = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::string text = whole;
+    for (size_t edits = random() % 4 + 1; edits > 0; --edits) {
+      const size_t at = random() % text.size();
+      if (random() % 3 == 0) text.erase(at, random() % 4);
+      if (text.empty()) text = "3";
+      if (random() % 2 == 0) text[random() % text.size()] = bytes[random() % bytes.size()];
+      if (random() % 3 == 0) text.insert(at % text.size(), 1, bytes[random() % bytes.size()]);
+    }
+    try {
+      for (const LpLight& light : ParseLp(text, "x.lp").lights) {
+        ASSERT_NEAR(light.to_light.norm(), 1, 1e-12);
+        ASSERT_FALSE(light.picture.empty());
+      }
+      ++read;
+    } catch (const Error& error) {
+      ASSERT_EQ(std::string(error.what()).find_first_of("\r\n"), std::string::npos) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(read, 1000);
+  EXPECT_GT(refused, 1000);
 }
 
 TEST(LpFile, FilesAreReadFromDisk) {
