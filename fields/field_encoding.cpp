@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "fields/adaptive_clusters.h"
-#include "fields/clustered_pca.h"
 #include "fields/relightable_file.h"
 #include "fields/residual.h"
 #include "fields/stored_numbers.h"
-#include "fields/wavelet_reduction.h"
 
 namespace lfm {
 namespace {
@@ -48,60 +45,18 @@ void EncodeSparse(const Field& field, const SparseClusterOptions& options, Progr
   result.figures["full_error"] = clusters.full_error;
 }
 
-// Bases, weights and residual of clusters that were found.
-void FinishPca(const Field& field, const Clustering& clustering, const TermsOptions& terms,
-               const SparseClusterOptions& options, Progress& progress, FieldEncodeResult& result) {
-  const RowsView rows = field.functions.View();
-  ClusteredModel model = RoundToStored(ModelOfClusters(rows, clustering, terms));
+void EncodePca(const Field& field, const FieldEncodeOptions& options, Progress& progress,
+               FieldEncodeResult& result) {
+  progress.Start("encode: clustered PCA", 2);
+  CpcaResult clusters = EncodeClusteredPca(field, options.pca);
   progress.Advance();
   result.model.model =
-      WithResidual(std::move(model), rows, {options.residuals, options.residual_threshold});
+      WithResidual(RoundToStored(std::move(clusters.model)), field.functions.View(),
+                   {options.sparse.residuals, options.sparse.residual_threshold});
   progress.Advance();
-  result.figures["clusters"] = clustering.clusters;
-}
-
-void EncodePca(const Field& field, const SparseClusterOptions& options, Progress& progress,
-               FieldEncodeResult& result) {
-  progress.Start("encode: clustered PCA", 3);
-  ClusterSearchOptions search;
-  search.clusters = options.clusters;
-  search.terms = options.terms;
-  const Clustering clustering = ClusterRows(field.functions.View(), search);
-  progress.Advance();
-  TermsOptions terms;
-  terms.max_terms = options.terms;
-  FinishPca(field, clustering, terms, options, progress, result);
-}
-
-void EncodeAdaptivePca(const Field& field, const FieldEncodeOptions& options, Progress& progress,
-                       FieldEncodeResult& result) {
-  constexpr int kReducedCoefficients = 64;
-  constexpr int64_t kSampleRows = 2000;
-  progress.Start("encode: adaptive clustered PCA", 3);
-  const RowsView rows = field.functions.View();
-  const WaveletReduction reduced =
-      ReduceByWavelets(rows, GridOfColumns(rows.columns), kReducedCoefficients);
-  AdaptiveOptions adaptive;
-  adaptive.energy_share = options.energy_share;
-  adaptive.global_terms = static_cast<double>(GlobalTerms(rows, kSampleRows, options.energy_share));
-  const AdaptiveClusters clusters = DivideClusters(rows, reduced.rows.View(), adaptive);
-  progress.Advance();
-  TermsOptions terms;
-  terms.energy_share = options.energy_share;
-  FinishPca(field, clusters.clustering, terms, options.clusters, progress, result);
-  result.figures["global_terms"] = adaptive.global_terms;
+  result.figures["clusters"] = clusters.sizes.size();
+  result.figures["global_terms"] = clusters.global_terms;
   result.figures["cost_per_pixel"] = clusters.cost.PerPixel();
-}
-
-const char* MethodName(FieldMethod method) {
-  switch (method) {
-    case FieldMethod::kPca:
-      return "cpca";
-    case FieldMethod::kAdaptivePca:
-      return "adaptive-cpca";
-    default:
-      return "csrf";
-  }
 }
 
 }  // namespace
@@ -110,16 +65,14 @@ FieldEncodeResult EncodeField(const Field& field, const FieldEncodeOptions& opti
                               Progress& progress) {
   FieldEncodeResult result;
   result.model = MakeRelightable(field);
-  result.figures = {{"method", MethodName(options.method)},
+  result.figures = {{"method", options.method == FieldMethod::kPca ? "cpca" : "csrf"},
                     {"points", field.points},
                     {"channels", field.channels},
                     {"directions", field.functions.columns}};
   if (options.method == FieldMethod::kPca) {
-    EncodePca(field, options.clusters, progress, result);
-  } else if (options.method == FieldMethod::kAdaptivePca) {
-    EncodeAdaptivePca(field, options, progress, result);
+    EncodePca(field, options, progress, result);
   } else {
-    EncodeSparse(field, options.clusters, progress, result);
+    EncodeSparse(field, options.sparse, progress, result);
   }
   const ClusteredModel& model = result.model.model;
   const RelightableBytes bytes = CountBytes(result.model);

@@ -5,6 +5,7 @@
 
 #include "core/options.h"
 #include "core/progress.h"
+#include "fields/cpca.h"
 #include "fields/field.h"
 #include "fields/relightable_model.h"
 #include "fields/sparse_clusters.h"
@@ -14,30 +15,22 @@ namespace lfm {
 /// What finds clusters and their bases.
 enum class FieldMethod {
   kSparseResidual,  ///< clustered sparse residual factorisation (fields/sparse_clusters.h)
-  kPca,             ///< clustered PCA of a fixed number of clusters (fields/clustered_pca.h)
-  kAdaptivePca,     ///< clusters divided while that pays (fields/adaptive_clusters.h)
+  kPca,             ///< clustered PCA (fields/cpca.h)
 };
 
 struct FieldEncodeOptions {
   FieldMethod method = FieldMethod::kSparseResidual;
-  /// Of clustered PCA: the numbers of clusters, terms and residuals, and the residual threshold; of
-  /// adaptive PCA the last two.
-  SparseClusterOptions clusters;
-  double energy_share = 0.999;
+  SparseClusterOptions sparse;  ///< `residuals` and `residual_threshold` hold for both methods
+  CpcaOptions pca;
 
   void Declare(OptionVisitor& v) {
     v.Enumeration({"field-method",
                    "How captures that vary in light are factorised: csrf, clusters of least "
-                   "absolute error (Yamada 2009), cpca, clustered PCA (Sloan 2003), or "
-                   "adaptive-cpca, clusters divided while the cost of relighting falls (Mahajan "
+                   "absolute error (Yamada 2009), or cpca, clustered PCA (Sloan 2003, Mahajan "
                    "2007)."},
-                  {"csrf", "cpca", "adaptive-cpca"}, method);
-    clusters.Declare(v);
-    v.Number(
-        {"energy-share",
-         "Of adaptive-cpca: what a cluster's terms hold of its energy; more terms, less error.", "",
-         0, 1},
-        energy_share);
+                  {"csrf", "cpca"}, method);
+    sparse.Declare(v);
+    pca.Declare(v);
   }
 };
 
@@ -47,8 +40,8 @@ struct FieldEncodeResult {
 };
 
 /// The field as a clustered model to be relit. Clustered PCA keeps a residual by the same rule
-/// (fields/residual.h), so that both are compared at equal bytes. Throws Error as ClusterSparse and
-/// ClusterRows do.
+/// (fields/residual.h), so that both are compared at equal bytes. Throws Error as ClusterSparse
+/// and EncodeClusteredPca do.
 FieldEncodeResult EncodeField(const Field& field, const FieldEncodeOptions& options,
                               Progress& progress);
 

@@ -45,13 +45,13 @@ Field SmallField(int width, int height, int lights, int channels) {
 
 TEST(FieldEncoding, EveryMethodGivesTheFieldBackWithAllResiduals) {
   const Field field = SmallField(12, 10, 20, 3);
-  for (FieldMethod method :
-       {FieldMethod::kSparseResidual, FieldMethod::kPca, FieldMethod::kAdaptivePca}) {
+  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kPca}) {
     FieldEncodeOptions options;
     options.method = method;
-    options.clusters.clusters = 4;
-    options.clusters.terms = 2;
-    options.clusters.residual_threshold = 1e-3;
+    options.sparse.clusters = 4;
+    options.sparse.terms = 2;
+    options.sparse.residual_threshold = 1e-3;
+    options.pca.energy_percent = 90;
     const FieldEncodeResult result = EncodeField(field, options, SilentProgress());
     CheckRelightable(result.model);
     EXPECT_EQ(result.figures["model_bytes"], EncodeRelightable(result.model).size());
@@ -76,10 +76,10 @@ TEST(FieldEncoding, EveryMethodGivesTheFieldBackWithAllResiduals) {
 TEST(FieldEncoding, HaarBasisShowsTheSameField) {
   const Field field = SmallField(8, 6, 13, 1);
   FieldEncodeOptions options;
-  options.clusters.clusters = 2;
-  options.clusters.terms = 2;
-  options.clusters.residual_threshold = 1e-4;
-  options.clusters.functions_basis = FunctionsBasis::kHaar;
+  options.sparse.clusters = 2;
+  options.sparse.terms = 2;
+  options.sparse.residual_threshold = 1e-4;
+  options.sparse.functions_basis = FunctionsBasis::kHaar;
   const FieldEncodeResult result = EncodeField(field, options, SilentProgress());
   EXPECT_FALSE(result.model.column_basis.IsIdentity());
   const LightMethod method = ModelMethods(result.model, "model", {-1}).front();
@@ -94,8 +94,8 @@ TEST(FieldEncoding, HaarBasisShowsTheSameField) {
 TEST(FieldEncoding, FewerResidualsAreTheLargest) {
   const Field field = SmallField(8, 6, 20, 1);
   FieldEncodeOptions options;
-  options.clusters.clusters = 2;
-  options.clusters.terms = 1;
+  options.sparse.clusters = 2;
+  options.sparse.terms = 1;
   const RelightableModel model = EncodeField(field, options, SilentProgress()).model;
   const RelightableModel fewer = WithFewerResiduals(model, 3);
   CheckRelightable(fewer);
@@ -108,8 +108,7 @@ TEST(FieldEncoding, FewerResidualsAreTheLargest) {
 }
 
 TEST(FieldEncoding, OneLightOnePixelAndBlackFields) {
-  for (FieldMethod method :
-       {FieldMethod::kSparseResidual, FieldMethod::kPca, FieldMethod::kAdaptivePca}) {
+  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kPca}) {
     FieldEncodeOptions options;
     options.method = method;
     for (const Field& field : {SmallField(4, 3, 1, 3), SmallField(1, 1, 9, 1)}) {

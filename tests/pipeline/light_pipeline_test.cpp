@@ -26,9 +26,9 @@ class LightPipeline : public ::testing::Test {
  protected:
   LightPipeline() {
     options_.out = Work().string();
-    options_.light.encode.clusters.clusters = 4;
-    options_.light.encode.clusters.terms = 2;
-    options_.light.encode.clusters.residual_threshold = 1e-3;
+    options_.light.encode.sparse.clusters = 4;
+    options_.light.encode.sparse.terms = 2;
+    options_.light.encode.sparse.residual_threshold = 1e-3;
   }
   fs::path Capture() const { return scratch_.folder / "capture"; }
   fs::path Work() const { return scratch_.folder / "work"; }
@@ -85,7 +85,7 @@ TEST_F(LightPipeline, DoesAgainWhatHasChangedAlone) {
   WriteSmallLightCapture(Capture(), 20, HeldOutLights::kEveryFourth);
   Run();
   for (const auto& [stage, record] : Run().stages) EXPECT_TRUE(record.skipped) << stage;
-  options_.light.encode.clusters.terms = 1;
+  options_.light.encode.sparse.terms = 1;
   for (const auto& [stage, record] : Run().stages) EXPECT_FALSE(record.skipped) << stage;
   fs::copy_file(Capture() / "light_0.png", Capture() / "light_1.png",
                 fs::copy_options::overwrite_existing);
