@@ -48,7 +48,7 @@ void EncodeSparse(const Field& field, const SparseClusterOptions& options, Progr
 void EncodePca(const Field& field, const FieldEncodeOptions& options, Progress& progress,
                FieldEncodeResult& result) {
   progress.Start("encode: clustered PCA", 2);
-  CpcaResult clusters = EncodeClusteredPca(field, options.cpca);
+  CpcaResult clusters = EncodeClusteredPca(field, options.pca);
   progress.Advance();
   result.model.model =
       WithResidual(RoundToStored(std::move(clusters.model)), field.functions.View(),
@@ -65,11 +65,11 @@ FieldEncodeResult EncodeField(const Field& field, const FieldEncodeOptions& opti
                               Progress& progress) {
   FieldEncodeResult result;
   result.model = MakeRelightable(field);
-  result.figures = {{"method", options.method == FieldMethod::kClusteredPca ? "cpca" : "csrf"},
+  result.figures = {{"method", options.method == FieldMethod::kPca ? "cpca" : "csrf"},
                     {"points", field.points},
                     {"channels", field.channels},
                     {"directions", field.functions.columns}};
-  if (options.method == FieldMethod::kClusteredPca) {
+  if (options.method == FieldMethod::kPca) {
     EncodePca(field, options, progress, result);
   } else {
     EncodeSparse(field, options.sparse, progress, result);

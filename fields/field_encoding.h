@@ -15,22 +15,22 @@ namespace lfm {
 /// What finds clusters and their bases.
 enum class FieldMethod {
   kSparseResidual,  ///< clustered sparse residual factorisation (fields/sparse_clusters.h)
-  kClusteredPca,    ///< clustered or blockwise PCA (fields/cpca.h)
+  kPca,             ///< clustered PCA (fields/cpca.h)
 };
 
 struct FieldEncodeOptions {
   FieldMethod method = FieldMethod::kSparseResidual;
-  SparseClusterOptions sparse;  ///< of kClusteredPca `residuals` and `residual_threshold` alone
-  CpcaOptions cpca;
+  SparseClusterOptions sparse;  ///< `residuals` and `residual_threshold` hold for both methods
+  CpcaOptions pca;
 
   void Declare(OptionVisitor& v) {
     v.Enumeration({"field-method",
-                   "How functions of lights (or of views) are factorised: csrf, clusters of least "
-                   "absolute error with a sparse residual (Yamada 2009), or cpca, clustered PCA "
-                   "(Sloan 2003, Mahajan 2007) with a residual by the same rule."},
+                   "How captures that vary in light are factorised: csrf, clusters of least "
+                   "absolute error (Yamada 2009), or cpca, clustered PCA (Sloan 2003, Mahajan "
+                   "2007)."},
                   {"csrf", "cpca"}, method);
     sparse.Declare(v);
-    cpca.Declare(v);
+    pca.Declare(v);
   }
 };
 
@@ -40,8 +40,8 @@ struct FieldEncodeResult {
 };
 
 /// The field as a clustered model to be relit. Clustered PCA keeps a residual by the same rule
-/// (fields/residual.h), so that both are compared at equal bytes. Throws Error as ClusterSparse and
-/// EncodeClusteredPca do.
+/// (fields/residual.h), so that both are compared at equal bytes. Throws Error as ClusterSparse
+/// and EncodeClusteredPca do.
 FieldEncodeResult EncodeField(const Field& field, const FieldEncodeOptions& options,
                               Progress& progress);
 

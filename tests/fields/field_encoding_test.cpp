@@ -45,13 +45,13 @@ Field SmallField(int width, int height, int lights, int channels) {
 
 TEST(FieldEncoding, EveryMethodGivesTheFieldBackWithAllResiduals) {
   const Field field = SmallField(12, 10, 20, 3);
-  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kClusteredPca}) {
+  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kPca}) {
     FieldEncodeOptions options;
     options.method = method;
     options.sparse.clusters = 4;
     options.sparse.terms = 2;
     options.sparse.residual_threshold = 1e-3;
-    options.cpca.energy_percent = 90;
+    options.pca.energy_percent = 90;
     const FieldEncodeResult result = EncodeField(field, options, SilentProgress());
     CheckRelightable(result.model);
     EXPECT_EQ(result.figures["model_bytes"], EncodeRelightable(result.model).size());
@@ -108,7 +108,7 @@ TEST(FieldEncoding, FewerResidualsAreTheLargest) {
 }
 
 TEST(FieldEncoding, OneLightOnePixelAndBlackFields) {
-  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kClusteredPca}) {
+  for (FieldMethod method : {FieldMethod::kSparseResidual, FieldMethod::kPca}) {
     FieldEncodeOptions options;
     options.method = method;
     for (const Field& field : {SmallField(4, 3, 1, 3), SmallField(1, 1, 9, 1)}) {
