@@ -19,6 +19,7 @@ import { comparePictures, decodePng } from './png.mjs';
 import {
   folder, kNoBackground, models, sample, samples, shotsOf, singleFile, template,
 } from './relight_pages.mjs';
+import { withChecksums } from './tiny_relightable.mjs';
 
 const kDirection_abs = 0.03; // pointers stop at whole pixels
 
@@ -322,13 +323,17 @@ test('a broken model gives one clear line', async () => {
     bytes.writeUInt32LE(value, at);
     return bytes;
   };
+  const bent = Buffer.from(good);
+  bent[good.length / 2] ^= 1;
   const cases = {
     empty: [Buffer.alloc(0), /no model in this page/],
     garbage: [Buffer.from('this is not a model, but long enough to be read'), /not a model/],
     'cut in the header': [good.subarray(0, 100), /cut short/],
     'cut in the content': [good.subarray(0, good.length / 2), /should have/],
     'another version': [edited(8, 2), /version 2/],
-    'huge counts': [edited(32, 0xffffffff), /picture of/],
+    'a damaged header': [edited(20, 65), /header is damaged/],
+    'damaged content': [bent, /content is damaged/],
+    'huge counts': [withChecksums(edited(32, 0xffffffff)), /picture of/],
     vertices: [await readFile(path.join(samples, 'other', 'vertices.lfr')), /pictures only/],
     views: [await readFile(path.join(samples, 'other', 'views.lfr')), /nothing to relight/],
   };
