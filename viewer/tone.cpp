@@ -28,4 +28,12 @@ Eigen::Vector3f ApplyTone(const Tone& tone, const Eigen::Vector3f& color) {
   return shown.cwiseMin(1.f);
 }
 
+Image ShowLinear(const Tone& tone, const Image& linear) {
+  const float factor = static_cast<float>(std::exp2(tone.exposure_stops));
+  Image shown = linear;
+  float* values = shown.Data<float>();
+  for (size_t i = 0; i < shown.size(); ++i) values[i] = Curve(tone.curve, factor * values[i]);
+  return ToSrgb8(shown);
+}
+
 }  // namespace lfm

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "core/image.h"
+
 namespace lfm {
 
 /// How light beyond what a screen shows is brought back to it.
@@ -23,5 +25,7 @@ struct Tone {
 /// An sRGB-coded colour as it is shown, sRGB-coded in [0, 1]. Colours below 0 are 0; those above 1
 /// are light that the curve, or a negative exposure, brings back.
 Eigen::Vector3f ApplyTone(const Tone& tone, const Eigen::Vector3f& color);
+/// A linear float picture of one or three channels as it is shown, 8-bit sRGB with as many.
+Image ShowLinear(const Tone& tone, const Image& linear);
 
 }  // namespace lfm

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "random_relightable.h"
+#include "tests/fields/random_relightable.h"
 
 #include <algorithm>
 #include <cmath>

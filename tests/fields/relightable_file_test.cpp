@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "fields/relightable_layout.h"
-#include "random_relightable.h"
+#include "tests/fields/random_relightable.h"
 #include "tests/support/scratch_folder.h"
 
 namespace lfm {

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "fields/relightable_file.h"
-#include "random_relightable.h"
+#include "tests/fields/random_relightable.h"
 
 namespace lfm {
 namespace {

@@ -140,5 +140,20 @@ TEST(Tone, NegativeColoursAreBlackAndHugeOnesWhite) {
   }
 }
 
+TEST(Tone, ShowsLinearPictures) {
+  Image linear(3, 1, 1, PixelType::kFloat32, ColorEncoding::kLinear);
+  linear.At<float>(0, 0) = 0.25f;
+  linear.At<float>(1, 0) = 3;
+  linear.At<float>(2, 0) = -1;
+  for (const Tone& tone : {Tone{}, Tone{1, ToneCurve::kClip}, Tone{-1, ToneCurve::kSoft}}) {
+    const Image shown = ShowLinear(tone, linear);
+    for (int x = 0; x < 2; ++x) {
+      const double code = Shown(tone, Encode(linear.At<float>(x, 0)));
+      EXPECT_NEAR(shown.At<uint8_t>(x, 0), 255 * code, 0.5 + 1e-3);
+    }
+    EXPECT_EQ(shown.At<uint8_t>(2, 0), 0);
+  }
+}
+
 }  // namespace
 }  // namespace lfm

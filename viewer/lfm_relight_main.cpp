@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/command_line.h"
+#include "core/error.h"
+#include "core/image.h"
+#include "core/progress.h"
+#include "fields/light_sampling.h"
+#include "fields/relightable_file.h"
+#include "fields/relighting.h"
+#include "viewer/light_plan.h"
+#include "viewer/tone.h"
+
+namespace {
+
+struct LightOptions {
+  std::string environment;
+  double rotate = 0;
+  std::string light;
+  double irradiance = 3.14159265358979;
+  double light_radius = 0;
+  double max_angle = 0;
+  void Declare(lfm::OptionVisitor& v) {
+    v.Text({"environment",
+            "Light from all round: an equirectangular .hdr or .exr picture, +x in its middle, +y a "
+            "quarter from its left edge, +z at its top."},
+           environment);
+    v.Number({"rotate", "Turn the surroundings about the vertical, counter-clockwise from above.",
+              "deg", -3600, 3600},
+             rotate);
+    v.Text({"light",
+            "A light from a direction: AZIMUTH,ELEVATION in degrees, or X,Y,Z; for a film several, "
+            "with semicolons between them."},
+           light);
+    v.Number(
+        {"irradiance",
+         "Of the light, on a surface that faces it; with pi, white matte surfaces have radiance "
+         "1.",
+         "", 0, 1e30},
+        irradiance);
+    v.Number({"light-radius", "Angular radius of the light: soft shadows.", "deg", 0, 180},
+             light_radius);
+    v.Number({"max-angle",
+              "Leave surroundings out that are further than this from every captured light; 0 cuts "
+              "them off a cell's width outside a dome.",
+              "deg", 0, 180},
+             max_angle);
+  }
+};
+
+struct PictureOptions {
+  int residuals = -1;
+  int frames = 0;
+  double exposure = 0;
+  bool auto_exposure = false;
+  lfm::ToneCurve tone = lfm::ToneCurve::kClip;
+  void Declare(lfm::OptionVisitor& v) {
+    v.Integer({"residuals",
+               "Use at most this many residuals a pixel and channel: sharper against time; -1 uses "
+               "all.",
+               "", -1, 65535},
+              residuals);
+    v.Integer({"frames",
+               "Write a film of this many pictures into the folder OUT: surroundings make a full "
+               "turn, the light goes through its directions, or a full turn where there is one.",
+               "frames", 0, 100000},
+              frames);
+    v.Number({"exposure", "Brighter by this many stops (doublings of light).", "stops", -40, 40},
+             exposure);
+    v.Flag({"auto-exposure",
+            "Bring 99 % of the first picture's values to white and below, before --exposure."},
+           auto_exposure);
+    v.Enumeration({"tone",
+                   "Light beyond white: cut off (clip), or everything above four fifths rolled off "
+                   "towards it (soft)."},
+                  {"clip", "soft"}, tone);
+  }
+};
+
+void CheckUsage(const LightOptions& light, const PictureOptions& picture,
+                const std::filesystem::path& out) {
+  if (light.environment.empty() && light.light.empty()) {
+    throw lfm::Error("there is no light; give --environment, --light or both");
+  }
+  const std::string ending = out.extension().string();
+  const bool names_picture = ending == ".png" || ending == ".exr" || ending == ".jpg";
+  if (picture.frames > 0) {
+    if (names_picture || (std::filesystem::exists(out) && !std::filesystem::is_directory(out))) {
+      throw lfm::Error(out.string() + ": --frames writes a folder of pictures; name one");
+    }
+  } else if (!names_picture) {
+    throw lfm::Error("cannot write " + out.string() +
+                     ": the picture's name must end in .png, .exr or .jpg");
+  }
+}
+
+/// The light of a frame over the model's directions.
+class Lights {
+ public:
+  Lights(const lfm::RelightableModel& model, const LightOptions& options)
+      : options_(options),
+        channels_(model.channels),
+        cells_(lfm::MakeLightCells(model.kind, model.directions, {options.max_angle})),
+        triangulation_(lfm::TriangulateLights(model.directions)) {
+    if (!options.environment.empty()) probe_ = lfm::ReadLightProbe(options.environment);
+  }
+
+  lfm::LightVector Of(const lfm::FrameLight& frame) const {
+    lfm::LightVector light = lfm::MakeLightVector(static_cast<int>(cells_.directions.size()), 3);
+    if (probe_) light = lfm::SampleProbe(cells_, *probe_, frame.turn_deg);
+    light = lfm::WithChannels(light, channels_);
+    if (!frame.to_light) return light;
+    const lfm::LightVector lamp = lfm::WithChannels(
+        lfm::SampleCap(cells_, triangulation_, *frame.to_light, options_.light_radius), channels_);
+    for (size_t i = 0; i < light.values.size(); ++i) {
+      light.values[i] += static_cast<float>(options_.irradiance) * lamp.values[i];
+    }
+    return light;
+  }
+
+ private:
+  LightOptions options_;
+  int channels_;
+  lfm::LightCells cells_;
+  lfm::LightTriangulation triangulation_;
+  std::optional<lfm::LightProbe> probe_;
+};
+
+/// The stops that bring 99 % of the values to 1 and below; 0 for a black picture.
+double StopsToWhite(const lfm::Image& linear) {
+  std::vector<float> values(linear.Data<float>(), linear.Data<float>() + linear.size());
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * 0.99);
+  std::nth_element(values.begin(), place, values.end());
+  return *place > 0 ? -std::log2(double{*place}) : 0;
+}
+
+std::filesystem::path FramePath(const std::filesystem::path& folder, size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame_%04zu.png", frame);
+  return folder / name;
+}
+
+void Run(const std::string& model_file, const std::filesystem::path& out,
+         const LightOptions& light_options, const PictureOptions& options,
+         lfm::Progress& progress) {
+  CheckUsage(light_options, options, out);
+  std::vector<Eigen::Vector3d> to_light;
+  if (!light_options.light.empty()) to_light = lfm::ParseLightDirections(light_options.light);
+  if (options.frames == 0 && to_light.size() > 1) {
+    throw lfm::Error("--light has several directions, which are for a film; add --frames");
+  }
+  const lfm::RelightableModel model = lfm::ReadRelightable(model_file);
+  if (model.width == 0) {
+    throw lfm::Error(model_file + ": is a model of vertices, which have no picture of their own");
+  }
+  const lfm::Relighter relighter(model);
+  const Lights lights(model, light_options);
+  lfm::Tone tone{options.exposure, options.tone};
+  const std::vector<lfm::FrameLight> plan =
+      lfm::PlanLights(light_options.rotate, to_light, std::max(options.frames, 1));
+  if (options.frames > 0) progress.Start("relight", options.frames);
+  for (size_t i = 0; i < plan.size(); ++i) {
+    const lfm::Image linear =
+        relighter.RelightPicture(relighter.Prepare(lights.Of(plan[i])), options.residuals);
+    if (i == 0 && options.auto_exposure) tone.exposure_stops += StopsToWhite(linear);
+    const std::filesystem::path file = options.frames > 0 ? FramePath(out, i) : out;
+    lfm::WriteImage(file.extension() == ".exr" ? linear : lfm::ShowLinear(tone, linear), file);
+    if (options.frames > 0) progress.Advance();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string model_file, out;
+  LightOptions light;
+  PictureOptions picture;
+  lfm::CommandLine command(
+      "lfm-relight",
+      "Shows a reflectance field under new light: surroundings, a light from a direction, or both; "
+      "one picture, or a film in which they turn.",
+      "lfm-relight plant.lfr plant.png --environment sky.hdr --rotate 30 --auto-exposure");
+  command.Positional("MODEL", "The model, a .lfr file (docs/formats.md).", model_file);
+  command.Positional("OUT",
+                     "The picture to write: .png or .jpg as shown, .exr in linear light without "
+                     "exposure and tone; a folder with --frames.",
+                     out);
+  command.Options(lfm::AnyOptions(light), "Light");
+  command.Options(lfm::AnyOptions(picture), "Picture");
+  return command.Run(
+      argc, argv, [&](lfm::Progress& progress) { Run(model_file, out, light, picture, progress); });
+}
