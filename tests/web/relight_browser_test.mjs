@@ -282,6 +282,26 @@ test('nothing is drawn while nothing changes; a change is drawn', async () => {
   await close();
 });
 
+test('a slow device draws a quarter of the pixels while something moves, then all', async () => {
+  const { page, complaints, close } = await openSample('color', { slow: 1 });
+  const full = await pictureOf(page);
+  // Both sizes are seen, whatever the time between them.
+  const sizes = await page.evaluate(() => new Promise((resolve) => {
+    const seen = [], canvas = document.getElementById('picture');
+    new MutationObserver(() => {
+      seen.push([canvas.width, canvas.height]);
+      if (canvas.width === 64 && canvas.height === 48) resolve(seen);
+    }).observe(canvas, { attributeFilter: ['width', 'height'] });
+    window.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }));
+  }));
+  assert.deepEqual(sizes[0], [32, 24]);
+  assert.equal((await stateOf(page)).coarse, false);
+  await page.keyboard.press('Home');
+  assert.ok(full.equals(await pictureOf(page)));
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('touch on a phone: the light follows; all controls are in sight, none hides the picture', async () => {
   const phone = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true,
                   deviceScaleFactor: 2 };
