@@ -4,9 +4,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "core/atomic_file.h"
+#include "core/capture.h"
 #include "core/command_line.h"
 #include "core/error.h"
 #include "core/image.h"
@@ -15,6 +19,7 @@
 #include "fields/relightable_file.h"
 #include "fields/relighting.h"
 #include "viewer/light_plan.h"
+#include "viewer/relight_page.h"
 #include "viewer/tone.h"
 
 namespace {
@@ -80,6 +85,21 @@ struct PictureOptions {
                    "Light beyond white: cut off (clip), or everything above four fifths rolled off "
                    "towards it (soft)."},
                   {"clip", "soft"}, tone);
+  }
+};
+
+struct PageOptions {
+  bool web = false;
+  std::string capture;
+  void Declare(lfm::OptionVisitor& v) {
+    v.Flag({"web",
+            "Write the model for browsers into the folder OUT, where light is moved by hand: "
+            "relight.html, one file that opens from disk, and index.html for a web server."},
+           web);
+    v.Text({"capture",
+            "The capture folder that the model is of: its camera tells the pages where in the "
+            "picture light comes from. Without, x is to the right, y up, z towards the viewer."},
+           capture);
   }
 };
 
@@ -175,24 +195,86 @@ void Run(const std::string& model_file, const std::filesystem::path& out,
   }
 }
 
+/// The rotation camera_from_world of a capture's reflectance field.
+Eigen::Matrix3d CameraOf(const std::filesystem::path& capture_folder) {
+  const lfm::Capture capture = lfm::LoadCapture(capture_folder);
+  if (!capture.reflectance_field || !capture.reflectance_field->camera_from_world) {
+    throw lfm::Error(capture_folder.string() +
+                     ": has no reflectance field whose camera is known; leave --capture out");
+  }
+  return capture.reflectance_field->camera_from_world->rotation;
+}
+
+/// Pages replace pages, and nothing else: a model.lfr in a folder without pages is somebody's.
+void RequireNothingOfOthers(const std::filesystem::path& model_file,
+                            const std::filesystem::path& out) {
+  std::error_code absent;
+  const std::filesystem::path there = out / "model.lfr";
+  const bool stays = !std::filesystem::exists(there, absent) ||
+                     std::filesystem::equivalent(model_file, there, absent);
+  if (!stays && !std::filesystem::exists(out / "app.js", absent)) {
+    throw lfm::Error(there.string() +
+                     " is another model, which --web would replace; name another folder");
+  }
+}
+
+void WriteForBrowsers(const std::filesystem::path& model_file, const std::filesystem::path& out,
+                      const PageOptions& options) {
+  const std::string lfr = lfm::ReadFile(model_file);
+  const lfm::RelightableModel model =
+      lfm::DecodeRelightable(std::as_bytes(std::span(lfr)), model_file.string());
+  if (model.width == 0) {
+    throw lfm::Error(model_file.string() +
+                     ": is a model of vertices, which have no picture of their own");
+  }
+  if (model.kind == lfm::FieldColumns::kViews) {
+    throw lfm::Error(model_file.string() + ": shows one light from many views");
+  }
+  std::optional<Eigen::Matrix3d> camera;
+  if (!options.capture.empty()) camera = CameraOf(options.capture);
+  RequireNothingOfOthers(model_file, out);
+  lfm::WriteRelightPages(lfr, model.name.empty() ? model_file.stem().string() : model.name, out,
+                         camera);
+}
+
+/// What the pages leave to the hand has no effect on them.
+void CheckPageUsage(const lfm::CommandLine& command) {
+  for (const char* name :
+       {"environment", "rotate", "light", "irradiance", "light-radius", "max-angle", "residuals",
+        "frames", "exposure", "auto-exposure", "tone"}) {
+    if (command.Given(name)) {
+      throw lfm::Error(std::string("--") + name +
+                       " has no effect with --web, whose pages are lit by hand; leave it out");
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::string model_file, out;
   LightOptions light;
   PictureOptions picture;
+  PageOptions page;
   lfm::CommandLine command(
       "lfm-relight",
       "Shows a reflectance field under new light: surroundings, a light from a direction, or both; "
-      "one picture, or a film in which they turn.",
+      "one picture, or a film in which they turn; or writes it for browsers (--web).",
       "lfm-relight plant.lfr plant.png --environment sky.hdr --rotate 30 --auto-exposure");
   command.Positional("MODEL", "The model, a .lfr file (docs/formats.md).", model_file);
   command.Positional("OUT",
                      "The picture to write: .png or .jpg as shown, .exr in linear light without "
-                     "exposure and tone; a folder with --frames.",
+                     "exposure and tone; a folder with --frames and --web.",
                      out);
   command.Options(lfm::AnyOptions(light), "Light");
   command.Options(lfm::AnyOptions(picture), "Picture");
-  return command.Run(
-      argc, argv, [&](lfm::Progress& progress) { Run(model_file, out, light, picture, progress); });
+  command.Options(lfm::AnyOptions(page), "Browsers");
+  return command.Run(argc, argv, [&](lfm::Progress& progress) {
+    if (page.web) {
+      CheckPageUsage(command);
+      return WriteForBrowsers(model_file, out, page);
+    }
+    if (command.Given("capture")) throw lfm::Error("--capture has no effect without --web");
+    Run(model_file, out, light, picture, progress);
+  });
 }

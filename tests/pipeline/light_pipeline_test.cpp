@@ -106,7 +106,7 @@ TEST_F(LightPipeline, ReportLeavesOutWhatWasChangedSince) {
 
 TEST_F(LightPipeline, ClusteredPcaIsTheOtherMethod) {
   WriteSmallLightCapture(Capture(), 20, HeldOutLights::kEveryFourth);
-  options_.light.encode.method = FieldMethod::kClusteredPca;
+  options_.light.encode.method = FieldMethod::kPca;
   Run();
   EXPECT_EQ(Report()["encode"]["method"], "cpca");
   EXPECT_GT(Report()["evaluate"]["heldout_psnr_db"].get<double>(), 15);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/atomic_file.h"
+#include "core/capture.h"
 #include "core/image.h"
 #include "fields/light_sampling.h"
 #include "fields/relightable_file.h"
@@ -165,6 +166,66 @@ TEST_F(LfmRelightCommand, RefusesBadInputInOneLine) {
   views.kind = FieldColumns::kViews;
   WriteRelightable(views, file_);
   ExpectRefusal({file_, out_, "--light", "0,0"}, {"views"});
+}
+
+TEST_F(LfmRelightCommand, WritesPagesForBrowsers) {
+  const fs::path web = scratch_.folder / "web";
+  ASSERT_EQ(Run({file_, web, "--web"}).status, 0);
+  EXPECT_EQ(ReadFile(web / "model.lfr"), ReadFile(file_));
+  for (const char* name : {"relight.html", "index.html"}) {
+    const std::string page = ReadFile(web / name);
+    EXPECT_NE(page.find("<title>random</title>"), std::string::npos) << name;
+    EXPECT_NE(page.find("name=\"camera\" content=\"\""), std::string::npos) << name;
+  }
+  // Pages take the place of pages, not of a model that stands by itself.
+  model_.name = "another";
+  WriteRelightable(model_, file_);
+  ASSERT_EQ(Run({file_, web, "--web"}).status, 0);
+  EXPECT_NE(ReadFile(web / "relight.html").find("<title>another</title>"), std::string::npos);
+  fs::remove(web / "app.js");
+  model_.name = "a third";
+  WriteRelightable(model_, file_);
+  ExpectRefusal({file_, web, "--web"}, {"model.lfr", "another folder"});
+}
+
+TEST_F(LfmRelightCommand, PagesKnowTheCameraOfTheCapture) {
+  Capture capture;
+  capture.folder = scratch_.folder / "capture";
+  capture.name = "a capture";
+  capture.cameras["view"] = CaptureCamera{};
+  capture.cameras["view"].width = 12;
+  capture.cameras["view"].height = 7;
+  ReflectanceField field;
+  field.camera = "view";
+  field.pictures.push_back({.file = "light.png"});
+  field.camera_from_world = Pose{};
+  field.camera_from_world->rotation << 0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1;
+  capture.reflectance_field = field;
+  SaveCapture(capture);
+  const fs::path web = scratch_.folder / "web";
+  ASSERT_EQ(Run({file_, web, "--web", "--capture", capture.folder}).status, 0);
+  EXPECT_NE(ReadFile(web / "relight.html").find("content=\"0.6 -0.8 0 0.8 0.6 0 0 0 1\""),
+            std::string::npos);
+  capture.reflectance_field->camera_from_world.reset();
+  SaveCapture(capture);
+  ExpectRefusal({file_, (scratch_.folder / "other").string(), "--web", "--capture", capture.folder},
+                {"camera", "--capture"});
+}
+
+TEST_F(LfmRelightCommand, PagesRefuseWhatTheyCannotShow) {
+  const std::string web = scratch_.folder / "web";
+  ExpectRefusal({file_, web, "--web", "--light", "0,0"}, {"--light", "--web"});
+  ExpectRefusal({file_, out_, "--light", "0,0", "--capture", "x"}, {"--capture", "--web"});
+  ExpectRefusal({file_, web, "--web", "--capture", "absent"}, {"absent"});
+  ExpectRefusal({environment_, web, "--web"}, {"room.exr", "is not a model"});
+  RelightableModel views = model_;
+  views.kind = FieldColumns::kViews;
+  WriteRelightable(views, file_);
+  ExpectRefusal({file_, web, "--web"}, {"views"});
+  model_.width = model_.height = 0;
+  WriteRelightable(model_, file_);
+  ExpectRefusal({file_, web, "--web"}, {"vertices"});
+  EXPECT_FALSE(fs::exists(web));
 }
 
 TEST_F(LfmRelightCommand, AFullDiskLeavesNoPicture) {

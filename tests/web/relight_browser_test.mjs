@@ -19,6 +19,7 @@ import { comparePictures, decodePng } from './png.mjs';
 import {
   folder, kNoBackground, models, sample, samples, shotsOf, singleFile, template,
 } from './relight_pages.mjs';
+import { withChecksums } from './tiny_relightable.mjs';
 
 const kDirection_abs = 0.03; // pointers stop at whole pixels
 
@@ -281,6 +282,26 @@ test('nothing is drawn while nothing changes; a change is drawn', async () => {
   await close();
 });
 
+test('a slow device draws a quarter of the pixels while something moves, then all', async () => {
+  const { page, complaints, close } = await openSample('color', { slow: 1 });
+  const full = await pictureOf(page);
+  // Both sizes are seen, whatever the time between them.
+  const sizes = await page.evaluate(() => new Promise((resolve) => {
+    const seen = [], canvas = document.getElementById('picture');
+    new MutationObserver(() => {
+      seen.push([canvas.width, canvas.height]);
+      if (canvas.width === 64 && canvas.height === 48) resolve(seen);
+    }).observe(canvas, { attributeFilter: ['width', 'height'] });
+    window.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }));
+  }));
+  assert.deepEqual(sizes[0], [32, 24]);
+  assert.equal((await stateOf(page)).coarse, false);
+  await page.keyboard.press('Home');
+  assert.ok(full.equals(await pictureOf(page)));
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test('touch on a phone: the light follows; all controls are in sight, none hides the picture', async () => {
   const phone = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true,
                   deviceScaleFactor: 2 };
@@ -322,13 +343,17 @@ test('a broken model gives one clear line', async () => {
     bytes.writeUInt32LE(value, at);
     return bytes;
   };
+  const bent = Buffer.from(good);
+  bent[good.length / 2] ^= 1;
   const cases = {
     empty: [Buffer.alloc(0), /no model in this page/],
     garbage: [Buffer.from('this is not a model, but long enough to be read'), /not a model/],
     'cut in the header': [good.subarray(0, 100), /cut short/],
     'cut in the content': [good.subarray(0, good.length / 2), /should have/],
     'another version': [edited(8, 2), /version 2/],
-    'huge counts': [edited(32, 0xffffffff), /picture of/],
+    'a damaged header': [edited(20, 65), /header is damaged/],
+    'damaged content': [bent, /content is damaged/],
+    'huge counts': [withChecksums(edited(32, 0xffffffff)), /picture of/],
     vertices: [await readFile(path.join(samples, 'other', 'vertices.lfr')), /pictures only/],
     views: [await readFile(path.join(samples, 'other', 'views.lfr')), /nothing to relight/],
   };

@@ -8,8 +8,11 @@ import { halfValue } from '../../viewer/web/relight/half_floats.js';
 import { parseRelightable } from '../../viewer/web/relight/lfr_file.js';
 import { makeTables } from '../../viewer/web/relight/model_tables.js';
 import { readSettings } from '../../viewer/web/relight/settings.js';
+import { xxh3 } from '../../viewer/web/relight/xxh3.js';
 import { ModelError } from '../../viewer/web/src/model_error.js';
-import { denseRows, halfBits, tinyContent, writeRelightable } from './tiny_relightable.mjs';
+import {
+  denseRows, halfBits, tinyContent, withChecksums, writeRelightable,
+} from './tiny_relightable.mjs';
 
 const kValue_rel = 1e-12;
 
@@ -39,6 +42,28 @@ test('halfValue: every kind of float16', () => {
   }
   assert.equal(Object.is(halfValue(0x8000), -0), true);
   assert.ok(Number.isNaN(halfValue(0x7e00)));
+});
+
+// From xxhash 0.8.1.
+test('xxh3: is that of the library, short, middle and long', () => {
+  const expected = {
+    24: '1ad5119b2a87c861',
+    32: '774140158f21ff0a',
+    64: '70a70e66815e67e5',
+    96: 'a97f9ae93c0ff67a',
+    128: '421a9c905c6e66ba',
+    136: 'e6f83ba76622cc5e',
+    240: 'b714c5fd22744964',
+    248: '740fb910001724b2',
+    1024: '1fd15e7d36f5e1bc',
+    1032: '1db5f5effb6308f2',
+    1096: 'c1e37fb5f11dcf72',
+    2048: '81ec4a6a9ee23d55',
+  };
+  for (const [length, digits] of Object.entries(expected)) {
+    const bytes = Uint8Array.from({ length: Number(length) }, (_, i) => Math.imul(i, 2654435761) >>> 13);
+    assert.equal(xxh3(bytes).toString(16), digits, length);
+  }
 });
 
 test('parseRelightable: a file gives its content', () => {
@@ -132,7 +157,7 @@ test('parseRelightable: content that contradicts itself is refused', () => {
   const bytes = writeRelightable(tinyContent());
   const counts = bytes.length - 2 * 24 - 24; // a row each, before columns and values
   bytes[counts] = 5;
-  fails(() => parse(bytes), /residuals that there are/);
+  fails(() => parse(withChecksums(bytes)), /residuals that there are/);
 });
 
 test('parseRelightable: numbers that are not finite are refused wherever they stand', () => {
@@ -142,7 +167,7 @@ test('parseRelightable: numbers that are not finite are refused wherever they st
     for (const bits of [0x7c00, 0xfc00, 0x7e01]) {
       const bytes = new Uint8Array(whole);
       new Uint16Array(bytes.buffer, sections[key].byteOffset, 1)[0] = bits;
-      fails(() => parse(bytes), /a number is not finite/);
+      fails(() => parse(withChecksums(bytes)), /a number is not finite/);
     }
   }
 });
@@ -161,19 +186,22 @@ test('parseRelightable: a column basis that leaves its tables is refused', () =>
                                        [32, 5, /do not fit/], [12, 1, /goes backwards/]]) {
     const bytes = Buffer.from(whole);
     bytes.writeUInt32LE(value, first + at);
-    fails(() => parse(bytes), expected);
+    fails(() => parse(withChecksums(bytes)), expected);
   }
 });
 
-test('parseRelightable: damage anywhere is refused or harmless', () => {
+test('parseRelightable: damage anywhere is seen, and harmless where somebody hides it', () => {
   const whole = writeRelightable(edited((c) => { c.basis = [[[0, 1]], [[1, 1]], [[2, 1]], [[3, 1]]]; }));
   for (let at = 0; at < whole.length; ++at) {
     for (const value of [0, 0x7f, 0xff]) {
       const bytes = Buffer.from(whole);
       bytes[at] = value;
+      if (value !== whole[at]) {
+        fails(() => parse(bytes), /not a model|version|header is damaged|content is damaged/);
+      }
       let model;
       try {
-        model = parse(bytes);
+        model = parse(withChecksums(bytes));
       } catch (error) {
         assert.ok(error instanceof ModelError, `${at}: ${error.stack}`);
         continue;

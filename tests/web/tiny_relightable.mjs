@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Models for relighting of a few pixels, put together here, for tests of what reads them.
+import { xxh3 } from '../../viewer/web/relight/xxh3.js';
 
 /** The float16 bits of a number that float16 holds. */
 export function halfBits(value) {
@@ -36,7 +37,7 @@ export function tinyContent() {
 
 /**
  * The .lfr bytes of such content; `edit(head)` may change the head's numbers, {name: value}, before
- * they are written. Check sums are zeros.
+ * they are written.
  */
 export function writeRelightable(content, edit = () => {}) {
   const c = content, wide = c.columns > 256;
@@ -70,7 +71,15 @@ export function writeRelightable(content, edit = () => {}) {
     fileBytes: 136 + body.length,
   };
   edit(head);
-  return Buffer.concat([headBytes(head), body]);
+  return withChecksums(Buffer.concat([headBytes(head), body]));
+}
+
+/** The same bytes, with the check sums that they should have. */
+export function withChecksums(bytes) {
+  const whole = Buffer.from(bytes);
+  whole.writeBigUInt64LE(xxh3(whole.subarray(136)), 120);
+  whole.writeBigUInt64LE(xxh3(whole.subarray(0, 128)), 128);
+  return whole;
 }
 
 function headBytes(h) {

@@ -3,8 +3,8 @@
 import { evaluateRow, prepareLight } from './evaluation.js';
 
 const kPixels = 1500; // that are looked at
-const kShare = 0.97; // of the pixels that are not dark
-const kShown = 0.7; // is what that one becomes, linear
+const kShare = 0.92; // of the pixels that are not dark
+const kShown = 0.65; // is what that one becomes, linear
 const kDark = 1e-3; // of the brightest
 
 /** Under each of `lights` (evaluation.js), the brightest counts. 1 where all is black. */

@@ -4,7 +4,8 @@ import { ModelError } from '../src/model_error.js';
 import {
   areFiniteHalves, halfValue, kLargestHalfExponent, kLeastHalfExponent,
 } from './half_floats.js';
-import { layoutOf, readHeader } from './lfr_layout.js';
+import { kHeaderBytes, layoutOf, readHeader } from './lfr_layout.js';
+import { xxh3 } from './xxh3.js';
 
 export const kLights = 0, kCubeTexels = 1, kViews = 2; // what a column belongs to
 
@@ -22,7 +23,7 @@ export const kLights = 0, kCubeTexels = 1, kViews = 2; // what a column belongs 
  *                      to firstResidual[r + 1], largest magnitude first; float16 bits
  *   mostResiduals      that a row has
  *
- * `name` is for messages. Throws ModelError. Check sums are not checked: lfm's own reader does.
+ * `name` is for messages. Throws ModelError.
  */
 export function parseRelightable(bytes, name) {
   const fail = (problem) => { throw new ModelError(`${name}: ${problem}`); };
@@ -32,6 +33,9 @@ export function parseRelightable(bytes, name) {
   if (layout.fileBytes !== bytes.length) {
     fail(`the file has ${bytes.length} bytes but should have ${layout.fileBytes}; ` +
          'copy or encode it again');
+  }
+  if (header.checksum !== xxh3(bytes.subarray(kHeaderBytes))) {
+    fail('the content is damaged; copy or encode the file again');
   }
   const section = (key, Type) => arrayOf(bytes, layout.sections[key], Type);
   const model = {

@@ -2,6 +2,7 @@
 // The head of a .lfr file and where its sections lie (docs/formats.md), as
 // fields/relightable_layout.cpp.
 import { kLargestHalfExponent, kLeastHalfExponent } from './half_floats.js';
+import { xxh3 } from './xxh3.js';
 
 export const kHeaderBytes = 136;
 const kVersion = 1;
@@ -21,13 +22,16 @@ export function readHeader(bytes, fail) {
   if (version !== kVersion) {
     fail(`a model of version ${version}; this page reads version ${kVersion}`);
   }
+  if (view.getBigUint64(128, true) !== xxh3(bytes.subarray(0, 128))) {
+    fail('the header is damaged; copy or encode the file again');
+  }
   const header = {
     kind: u32(12), channels: u32(16), width: u32(20), height: u32(24), columns: u32(28),
     points: u64(32), directions: u32(40), clusters: u32(44), functions: u64(48), weights: u64(56),
     residuals: u64(64), basisEntries: u64(72), positions: u64(80), triangles: u64(88),
     weightExponent: view.getInt32(96, true), residualExponent: view.getInt32(100, true),
     nameBytes: u32(104), hasColumnBasis: bytes[108], countBytes: bytes[109],
-    zero: view.getUint16(110, true), fileBytes: u64(112),
+    zero: view.getUint16(110, true), fileBytes: u64(112), checksum: view.getBigUint64(120, true),
   };
   const problem = problemOf(header);
   if (problem !== null) fail(`the header says ${problem}`);

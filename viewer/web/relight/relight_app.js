@@ -104,7 +104,8 @@ class RelightApp {
   }
 
   applyLook() {
-    const { background, panel } = this.settings;
+    const { background, panel, slow } = this.settings;
+    this.picture.slow = slow === '1';
     document.documentElement.style.setProperty('--background', `#${background}`);
     this.panel.setShown(panel !== '0');
   }

@@ -21,7 +21,9 @@ uniform usampler2D residuals;
 uniform sampler2D products;  // of a basis function, by channel; all scales are in them
 uniform sampler2D light;     // of a column, by channel
 uniform uint most_residuals;
-uniform int channels, height;
+uniform int channels;
+uniform int height;      // rows that are drawn
+uniform int pixel_step;  // of the picture's pixels, from one that is drawn to the next
 out vec4 color;
 
 ivec2 At(uint i) { return ivec2(i & 2047u, i >> 11); }
@@ -51,7 +53,7 @@ float Srgb(float linear) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(int(gl_FragCoord.x), height - 1 - int(gl_FragCoord.y));
+  ivec2 pixel = pixel_step * ivec2(int(gl_FragCoord.x), height - 1 - int(gl_FragCoord.y));
   vec3 shown;
   shown.r = Srgb(Shown(pixel, 0));
   shown.g = channels == 1 ? shown.r : Srgb(Shown(pixel, 1));

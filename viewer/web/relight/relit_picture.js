@@ -7,6 +7,7 @@ import { kFragmentShader, kTableWidth, kVertexShader } from './relighting_shader
 const kMostProduct = 1e28; // sums of 65536 of them are float32 numbers still
 const kSlowMilliseconds = 80; // a draw
 const kStillMilliseconds = 400;
+const kCoarse = 2; // pixels a side that are drawn as one while something moves on a slow device
 
 export class RelitPicture {
   /** `onDrawn` is called after each draw, and once it is known how long it took. */
@@ -22,6 +23,7 @@ export class RelitPicture {
     this.residuals = 0; // at most so many of a pixel and channel
     this.pending = this.draws = this.drawMilliseconds = 0;
     this.coarse = this.measuring = false;
+    this.slow = false; // as if the device were slow
     this.still = 0; // timer
   }
 
@@ -53,8 +55,6 @@ export class RelitPicture {
       throw new ModelError('the model does not fit into the graphics memory of this device');
     }
     this.model = model;
-    this.canvas.width = width;
-    this.canvas.height = height;
   }
 
   /** A table as a texture, of numbers in fours. */
@@ -97,9 +97,9 @@ export class RelitPicture {
     this.change();
   }
 
-  /** Draws with the next picture of the screen: with fewer residuals where the device is slow. */
+  /** Draws with the next picture of the screen: fewer pixels and residuals where that is slow. */
   change() {
-    if (this.drawMilliseconds > kSlowMilliseconds) this.coarse = true;
+    if (this.slow || this.drawMilliseconds > kSlowMilliseconds) this.coarse = true;
     clearTimeout(this.still);
     this.still = setTimeout(() => {
       if (!this.coarse) return;
@@ -125,8 +125,11 @@ export class RelitPicture {
   }
 
   drawNow() {
-    const { gl, program, model } = this;
-    gl.viewport(0, 0, model.width, model.height);
+    const { gl, program, model, canvas } = this, step = this.coarse ? kCoarse : 1;
+    const [width, height] = [model.width, model.height].map((side) => Math.ceil(side / step));
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    gl.viewport(0, 0, width, height);
     gl.useProgram(program);
     Object.entries(this.textures).forEach(([name, texture], unit) => {
       gl.activeTexture(gl.TEXTURE0 + unit);
@@ -136,7 +139,8 @@ export class RelitPicture {
     gl.activeTexture(gl.TEXTURE0);
     gl.uniform1ui(gl.getUniformLocation(program, 'most_residuals'), this.drawnResiduals);
     gl.uniform1i(gl.getUniformLocation(program, 'channels'), model.channels);
-    gl.uniform1i(gl.getUniformLocation(program, 'height'), model.height);
+    gl.uniform1i(gl.getUniformLocation(program, 'height'), height);
+    gl.uniform1i(gl.getUniformLocation(program, 'pixel_step'), step);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 

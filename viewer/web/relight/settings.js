@@ -11,7 +11,7 @@ const kNumbers = {
 /**
  * The settings in `hash` ('#light=0,0,1&residuals=4'); what makes no sense is left out. `light`: the
  * direction to a light, world frame; `around`: the name of surroundings; `panel`: '0' for the picture
- * alone; `background`: rrggbb.
+ * alone; `slow`: '1' as if the device were slow; `background`: rrggbb.
  */
 export function readSettings(hash) {
   const settings = {};
@@ -27,7 +27,7 @@ export function readSettings(hash) {
         settings.light = numbers.map((x) => x / length);
       }
     }
-    if (key === 'around' || key === 'panel') settings[key] = text;
+    if (['around', 'panel', 'slow'].includes(key)) settings[key] = text;
     if (key === 'background' && /^#?[0-9a-f]{6}$/i.test(text)) {
       settings.background = text.replace('#', '').toLowerCase();
     }
