@@ -123,7 +123,7 @@ StageJob EvaluateJob(const Run& run) {
 }
 
 StageJob ReportJob(const Run& run) {
-  std::vector<fs::path> inputs;
+  std::vector<fs::path> inputs = {run.workspace.RelightableFile()};
   for (const char* stage : {"encode", "evaluate"}) {
     inputs.push_back(run.workspace.Stage(stage) / "stage.json");
     // A stage's own command may have written there since.
@@ -132,7 +132,7 @@ StageJob ReportJob(const Run& run) {
     }
   }
   return {"report", json::object(), inputs, [&run](const fs::path& folder) -> json {
-            WriteLightReport(run.capture.name, run.workspace, folder);
+            WriteLightReport(run.capture, run.workspace, folder);
             return json::object();
           }};
 }

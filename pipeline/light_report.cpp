@@ -6,13 +6,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "core/atomic_file.h"
 #include "core/json_reader.h"
 #include "core/line_chart.h"
 #include "core/markup_text.h"
+#include "fields/field_encoding.h"
+#include "fields/relightable_file.h"
 #include "pipeline/page_style.h"
 #include "pipeline/stage_cache.h"
+#include "viewer/relight_page.h"
 
 namespace lfm {
 namespace fs = std::filesystem;
@@ -175,10 +179,28 @@ std::string EvaluationSection(const json& evaluate) {
   return html + FigureTable(evaluate);
 }
 
+constexpr const char* kLiveModel =
+    "<h2 id=model>The model</h2><p class=lead>Drag to move the light. <a "
+    "href=\"web/relight.html\">On a page of its own</a> (one file, to be passed on); for a web "
+    "server: the folder <a href=\"web/\">web</a>.</p><iframe src=\"web/relight.html\" title=\"The "
+    "model, to be relit\" allow=fullscreen allowfullscreen></iframe>";
+
+// A page is passed on: more residuals than these are bytes that are hardly seen.
+constexpr int kPageResiduals = 16;
+
+void WritePages(const Capture& capture, const Workspace& workspace, const fs::path& folder) {
+  std::optional<Eigen::Matrix3d> camera_from_world;
+  if (capture.reflectance_field && capture.reflectance_field->camera_from_world) {
+    camera_from_world = capture.reflectance_field->camera_from_world->rotation;
+  }
+  const RelightableModel model =
+      WithFewerResiduals(ReadRelightable(workspace.RelightableFile()), kPageResiduals);
+  WriteRelightPages(EncodeRelightable(model), capture.name, folder, camera_from_world);
+}
+
 }  // namespace
 
-void WriteLightReport(const std::string& capture_name, const Workspace& workspace,
-                      const fs::path& folder) {
+void WriteLightReport(const Capture& capture, const Workspace& workspace, const fs::path& folder) {
   const json report = CollectLightReport(workspace);
   for (const json& picture : report["evaluate"].value("pictures", json::array())) {
     const std::string file = picture.value("file", "");
@@ -186,13 +208,15 @@ void WriteLightReport(const std::string& capture_name, const Workspace& workspac
                         ReadFile(workspace.Stage("evaluate") / "pictures" / file));
   }
   WriteJson(report, folder / "report.json");
+  const bool is_current = !report["encode"].contains("out_of_date");
+  if (is_current) WritePages(capture, workspace, folder / "web");
   const std::string html =
-      "<!doctype html><html lang=en><meta charset=utf-8><title>" + EscapeMarkup(capture_name) +
+      "<!doctype html><html lang=en><meta charset=utf-8><title>" + EscapeMarkup(capture.name) +
       " – lfm report</title><meta name=viewport content=\"width=device-width\"><style>" +
-      kPageStyle + "</style><h1>" + EscapeMarkup(capture_name) +
+      kPageStyle + "</style><h1>" + EscapeMarkup(capture.name) +
       "</h1><p class=lead>From pictures under many lights to a model that can be relit.</p>" +
-      KeyFigures(report) + EvaluationSection(report["evaluate"]) +
-      "<h2 id=encode>The model</h2><p class=lead>Clusters of pixels with a basis each, weights and "
+      KeyFigures(report) + (is_current ? kLiveModel : "") + EvaluationSection(report["evaluate"]) +
+      "<h2 id=encode>Encoding</h2><p class=lead>Clusters of pixels with a basis each, weights and "
       "a sparse residual: <code>encode/model.lfr</code>.</p>" +
       FigureTable(report["encode"]) + "<h2 id=time>Time and memory</h2>" +
       FigureTable(report["time"]) + FigureTable(report["memory"]) +

@@ -102,6 +102,19 @@ TEST_F(LightPipeline, ReportLeavesOutWhatWasChangedSince) {
   EXPECT_FALSE(Run().stages[0].second.skipped);
   EXPECT_TRUE(Report()["encode"].contains("out_of_date"));
   EXPECT_FALSE(Report()["evaluate"].contains("out_of_date"));
+  EXPECT_FALSE(std::filesystem::exists(Work() / "report" / "web"));
+}
+
+TEST_F(LightPipeline, ReportHoldsThePagesThatRelight) {
+  WriteSmallLightCapture(Capture(), 20, HeldOutLights::kEveryFourth);
+  Run();
+  const std::filesystem::path web = Work() / "report" / "web";
+  const RelightableModel shown = ReadRelightable(web / "model.lfr");
+  const RelightableModel whole = ReadRelightable(Work() / "encode" / "model.lfr");
+  EXPECT_EQ(shown.points, whole.points);
+  EXPECT_LE(shown.model.residual_value.size(), static_cast<size_t>(16 * shown.model.rows));
+  EXPECT_NE(ReadFile(web / "relight.html").find("Content-Security-Policy"), std::string::npos);
+  EXPECT_NE(ReadFile(Work() / "report" / "index.html").find("web/relight.html"), std::string::npos);
 }
 
 TEST_F(LightPipeline, ClusteredPcaIsTheOtherMethod) {
