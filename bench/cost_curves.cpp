@@ -34,15 +34,17 @@ CurvePoint PointOf(std::string name, const BlockDivision& division, double globa
 
 }  // namespace
 
-MeasuredField MeasureField(TransportRows rows, double share, int wavelets) {
+MeasuredField MeasureField(TransportRows rows, double share, int wavelets, RowLength length) {
   constexpr int kExpected = 400;
   MeasuredField field;
   field.share = share;
   field.columns = rows.rows.columns;
   field.wavelets = ReduceByWavelets(rows.rows.View(), GridOfColumns(field.columns), wavelets);
-  rows.rows =
-      CompactedRows(rows.rows.View(), RowEnergies(rows.rows.View()), (1 - share) / 100, kExpected)
-          .coordinates;
+  if (length == RowLength::kCompact) {
+    rows.rows =
+        CompactedRows(rows.rows.View(), RowEnergies(rows.rows.View()), (1 - share) / 100, kExpected)
+            .coordinates;
+  }
   field.source = std::move(rows);
   field.global_terms = static_cast<double>(GlobalTerms(field.Full(), kSample, share));
   std::printf(
@@ -50,6 +52,7 @@ MeasuredField MeasureField(TransportRows rows, double share, int wavelets) {
       field.source.name.c_str(), static_cast<long>(field.Full().rows), field.columns,
       field.Full().columns, field.global_terms, field.wavelets.rows.columns,
       100 * field.wavelets.kept_share);
+  std::fflush(stdout);
   return field;
 }
 

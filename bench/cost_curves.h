@@ -13,7 +13,7 @@ namespace lfm::bench {
 
 /// What every measurement of a capture starts from.
 struct MeasuredField {
-  TransportRows source;  ///< rows: coordinates in the leading singular vectors of the full rows
+  TransportRows source;  ///< rows: all directions, or coordinates
   int columns = 0;       ///< l of the full rows
   double share = 0.999;
   double global_terms = 0;  ///< N, from evenly drawn rows
@@ -22,9 +22,11 @@ struct MeasuredField {
   RowsView Full() const { return source.rows.View(); }
 };
 
-/// Full rows become coordinates that lose 1 % of what `share` leaves out: clusters of full rows and
-/// of coordinates are the same, and so are their dimensionalities, at a tenth of the time.
-MeasuredField MeasureField(TransportRows rows, double share, int wavelets);
+/// Whether rows are measured in coordinates that lose 1 % of what `share` leaves out: quicker where
+/// the whole needs much fewer terms than there are directions.
+enum class RowLength { kFull, kCompact };
+
+MeasuredField MeasureField(TransportRows rows, double share, int wavelets, RowLength length);
 
 /// A point of a cost curve.
 struct CurvePoint {

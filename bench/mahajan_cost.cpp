@@ -32,6 +32,9 @@ struct CostOptions {
   double energy_percent = 99.9;
   int wavelets = 256;
   int centres = 12;
+  int light_halvings = 0;
+  RowLength length = RowLength::kCompact;
+  SearchedRows searched = SearchedRows::kFull;
 
   void Declare(OptionVisitor& v) {
     v.Text({"data", "Folder of the captures."}, data);
@@ -42,6 +45,11 @@ struct CostOptions {
     v.Number({"energy", "Share of the energy that every patch holds.", "%", 1, 100},
              energy_percent);
     v.Integer({"wavelets", "Coefficients of the reduced rows.", "", 1, 1 << 20}, wavelets);
+    v.Integer({"light-halvings", "Halve the cube map's resolution this often.", "", 0, 8},
+              light_halvings);
+    v.Enumeration({"rows", "Which rows are measured."}, {"full", "compact"}, length);
+    v.Enumeration({"searched", "Which rows the cluster curves are searched by."},
+                  {"full", "wavelets"}, searched);
     v.Integer({"centres", "Patches that mu is estimated from.", "", 1, 1000}, centres);
   }
 };
@@ -61,11 +69,13 @@ void PrintOptimum(const MeasuredField& field, const std::vector<CurvePoint>& cur
 }
 
 // Cluster counts of about these many pixels each.
-std::vector<CurvePoint> ClusterCurve(const MeasuredField& field, SearchedRows searched) {
+std::vector<CurvePoint> ClusterCurve(const MeasuredField& field, SearchedRows searched,
+                                     Progress& progress) {
   std::vector<CurvePoint> curve;
   for (const int pixels : {2400, 1200, 600, 300, 200, 120, 60, 30}) {
     const auto clusters = static_cast<int>(field.Full().rows / pixels);
     if (clusters > 1) curve.push_back(AtClusters(field, clusters, searched));
+    progress.Advance();
   }
   return curve;
 }
@@ -113,12 +123,22 @@ void PrintTimes(const std::vector<CurvePoint>& curve, int columns, double global
   }
 }
 
-void MeasureFace(const CostOptions& options) {
-  TransportRows rows = ReadTransportRows(fs::path(options.data) / options.face);
+TransportRows Read(const CostOptions& options, const std::string& name) {
+  TransportRows rows = ReadTransportRows(fs::path(options.data) / name);
+  for (int i = 0; i < options.light_halvings; ++i) rows = CoarserLight(rows);
+  return rows;
+}
+
+void MeasureFace(const CostOptions& options, Progress& progress) {
+  constexpr int kCurvePoints = 16;
+  progress.Start("costs of the face", kCurvePoints);
+  TransportRows rows = Read(options, options.face);
   TransportRows half = HalfSize(rows);
   const double share = options.energy_percent / 100;
-  const MeasuredField small = MeasureField(std::move(half), share, options.wavelets);
-  const MeasuredField field = MeasureField(std::move(rows), share, options.wavelets);
+  const MeasuredField small =
+      MeasureField(std::move(half), share, options.wavelets, options.length);
+  const MeasuredField field =
+      MeasureField(std::move(rows), share, options.wavelets, options.length);
   std::vector<CurvePoint> blocks;
   for (const int side : {2, 4, 8, 16, 32}) blocks.push_back(AtBlocks(field, side));
   PrintCurve("Figure 9a: blocks of one size", blocks);
@@ -126,11 +146,11 @@ void MeasureFace(const CostOptions& options) {
   WriteChart(options, "figure_9a", CurveToSvg("Blockwise PCA", blocks));
   PrintCurve("Quadtrees", {AtQuadtree(field, QuadtreeRule::kWhilePaying),
                            AtQuadtree(field, QuadtreeRule::kCheapest)});
-  const std::vector<CurvePoint> large = ClusterCurve(field, SearchedRows::kFull);
+  const std::vector<CurvePoint> large = ClusterCurve(field, options.searched, progress);
   PrintCurve("Figure 9b: clusters", large);
   PrintOptimum(field, large, 2, options.centres);
   WriteChart(options, "figure_9b", CurveToSvg("Clustered PCA", large));
-  const std::vector<CurvePoint> less = ClusterCurve(small, SearchedRows::kFull);
+  const std::vector<CurvePoint> less = ClusterCurve(small, options.searched, progress);
   PrintCurve("Figure 9c: half the resolution, pixels averaged two by two", less);
   PrintOptimum(small, less, 2, options.centres);
   const double mu = MeasuredMu(field, 2, options.centres);
@@ -146,15 +166,19 @@ void MeasureFace(const CostOptions& options) {
   PrintTimes(large, field.columns, field.global_terms);
 }
 
-void MeasureStreet(const CostOptions& options) {
-  const TransportRows all = ReadTransportRows(fs::path(options.data) / options.street);
+void MeasureStreet(const CostOptions& options, Progress& progress) {
+  const TransportRows all = Read(options, options.street);
   const MeasuredField field =
-      MeasureField(SomeOf(all, RowsOfGround(all)), options.energy_percent / 100, options.wavelets);
+      MeasureField(SomeOf(all, RowsOfGround(all)), options.energy_percent / 100, options.wavelets,
+                   options.length);
   const CurvePoint adaptive = Adaptive(field);
   PrintCurve("Section 5.2: the street's ground, adaptive", {adaptive});
   std::vector<CurvePoint> fixed;
+  constexpr int kFixed = 5;
+  progress.Start("fixed numbers of clusters", kFixed);
   for (const int clusters : {10, 50, 219, 5000, adaptive.patches}) {
     fixed.push_back(AtClusters(field, clusters, SearchedRows::kWavelets));
+    progress.Advance();
   }
   fixed.push_back(AtClusters(field, adaptive.patches, SearchedRows::kFull));
   PrintCurve("Fixed numbers of clusters", fixed);
@@ -185,13 +209,13 @@ void MeasureTime() {
   PrintTimes(curve, kColumns, kGlobal);
 }
 
-void Measure(const CostOptions& options) {
+void Measure(const CostOptions& options, Progress& progress) {
   fs::create_directories(options.out);
   const auto wanted = [&](Part part) { return options.part == Part::kAll || options.part == part; };
   if (wanted(Part::kSphere)) DrawPhongSphere(100, 80, fs::path(options.out) / "figure_8.png");
   if (wanted(Part::kTime)) MeasureTime();
-  if (wanted(Part::kFace)) MeasureFace(options);
-  if (wanted(Part::kStreet)) MeasureStreet(options);
+  if (wanted(Part::kFace)) MeasureFace(options, progress);
+  if (wanted(Part::kStreet)) MeasureStreet(options, progress);
 }
 
 }  // namespace
@@ -203,5 +227,6 @@ int main(int argc, char** argv) {
                            "Measures the costs of clustered and blockwise PCA of light transport.",
                            "lfm-bench-mahajan-cost --data captures --out figures");
   command.Options(lfm::AnyOptions(options));
-  return command.Run(argc, argv, [&](lfm::Progress&) { lfm::bench::Measure(options); });
+  return command.Run(argc, argv,
+                     [&](lfm::Progress& progress) { lfm::bench::Measure(options, progress); });
 }

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/ply.h"
 #include "core/transport_matrix.h"
+#include "fields/wavelet_reduction.h"
 
 namespace lfm::bench {
 namespace {
@@ -121,6 +122,23 @@ TransportRows HalfSize(const TransportRows& image) {
   half.rows.rows = count;
   half.rows.values.resize(static_cast<size_t>(count) * half.rows.stride);
   return half;
+}
+
+TransportRows CoarserLight(const TransportRows& all) {
+  const ColumnGrid grid = GridOfColumns(all.rows.columns);
+  if (grid.faces != 6 || grid.width % 2 != 0) throw Error("no cube map of an even resolution");
+  TransportRows coarser;
+  coarser.name = all.name;
+  coarser.picture = all.picture;
+  coarser.positions = all.positions;
+  coarser.rows = MakeFunctionRows(all.rows.rows, all.rows.columns / 4);
+  for (int64_t row = 0; row < all.rows.rows; ++row) {
+    for (int j = 0; j < all.rows.columns; ++j) {
+      const int line = j / grid.width, column = j % grid.width;  // of all faces
+      coarser.rows.Row(row)[line / 2 * (grid.width / 2) + column / 2] += all.rows.Row(row)[j];
+    }
+  }
+  return coarser;
 }
 
 }  // namespace lfm::bench

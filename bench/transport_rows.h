@@ -34,4 +34,7 @@ std::vector<int64_t> RowsOfGround(const TransportRows& mesh);
 /// pixels are occupied.
 TransportRows HalfSize(const TransportRows& image);
 
+/// Light at half the resolution: a texel's column is the sum of the four that it covers.
+TransportRows CoarserLight(const TransportRows& all);
+
 }  // namespace lfm::bench
