@@ -32,12 +32,13 @@ void DrawFigure4(MahajanReport& report) {
     const std::vector<double> fourier = TruncatedFourier(samples);
     const double difference = SummedDifference(eigenvalues, fourier);
     const std::string name = FormattedText("Phong s = 50, p = 3000, beta = pi/%d", part);
-    report.Draw(FormattedText("figure4_pi_%d", part),
-                {"Toeplitz eigenvalues against Fourier coefficients: " + name,
-                 "index, by size",
-                 "eigenvalue / p",
-                 ChartScale::kLinear,
-                 {First("eigenvalues", eigenvalues, 30), First("Fourier", fourier, 30)}});
+    report.Draw(
+        FormattedText("figure4_pi_%d", part),
+        {"Eigenvalues and Fourier coefficients: " + FormattedText("s = 50, beta = pi/%d", part),
+         "index, by size",
+         "eigenvalue / p",
+         ChartScale::kLinear,
+         {First("eigenvalues", eigenvalues, 30), First("Fourier", fourier, 30)}});
     const std::string measured = FormattedText("%.1f %%", 100 * difference);
     if (part == 2) {
       report.Add("Figure 4: summed difference, " + name, measured, "<= 10 %", difference <= 0.1);
@@ -59,8 +60,8 @@ void DrawFigure4(MahajanReport& report) {
     curves.push_back(std::move(curve));
   }
   report.Draw("figure4_difference",
-              {"How far Equation 8 is off: sum |eigenvalue - Fourier| / sum eigenvalue",
-               "beta, degrees", "%", ChartScale::kLogarithmic, curves, ChartScale::kLogarithmic});
+              {"Summed difference of eigenvalues and Fourier coefficients", "beta, degrees", "%",
+               ChartScale::kLogarithmic, curves, ChartScale::kLogarithmic});
 }
 
 // A half circle seen from inside, -beta to beta about its bottom, diffuse: light comes in through

@@ -47,7 +47,8 @@ void DrawFigure6(MahajanReport& report) {
     const auto order0 = Normalized(CapEigenvaluesOfOrder(f, beta, 0));
     const std::string name = FormattedText("Phong s = 100, beta = pi/%d", part);
     report.Draw(FormattedText("figure6_pi_%d", part),
-                {"Cap eigenvalues of order 0 against stretched coefficients: " + name,
+                {"Cap eigenvalues (m = 0) and zonal coefficients: " +
+                     FormattedText("s = 100, beta = pi/%d", part),
                  "index or degree",
                  "share of the sum",
                  ChartScale::kLinear,
@@ -71,7 +72,7 @@ void DrawScaleTheorem(MahajanReport& report) {
     const auto g = SquaredCoefficients(PhongZonalCoefficients(exponent, Degrees(exponent)));
     const int degrees = SignificantDegrees(g);
     const auto narrow = ScaledCoefficients(g, 2, 2 * degrees);
-    ChartCurve whole{"G(l)", {}, {}}, halved{"4 G'(2 l), g' = g(2 theta)", {}, {}};
+    ChartCurve whole{"G(l)", {}, {}}, halved{"4 G'(2 l)", {}, {}};
     double worst = 0;
     for (int l = 0; l < degrees; ++l) {
       whole.x.push_back(l), whole.y.push_back(g[l] / g[0]);
@@ -81,7 +82,7 @@ void DrawScaleTheorem(MahajanReport& report) {
     report.Note(FormattedText("Figure 6c, d: scale theorem, Phong s = %g", exponent),
                 FormattedText("largest difference %.1f %% of G(0)", 100 * worst));
     report.Draw(FormattedText("figure6_scale_%g", exponent),
-                {FormattedText("Approximate scale theorem, Phong s = %g", exponent),
+                {FormattedText("Scale theorem, g'(theta) = g(2 theta), Phong s = %g", exponent),
                  "degree l",
                  "relative to G(0)",
                  ChartScale::kLinear,

@@ -9,14 +9,13 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "fields/block_pca.h"
 #include "fields/dimension.h"
 
 namespace lfm {
 namespace {
 
-// Rows below this share of the largest one's energy are black but for rounding.
-constexpr double kBlackShare = 1e-8;
 constexpr double kSeesLightTolerance = 1e-3;
 constexpr uint64_t kGlobalSeed = 1;
 
@@ -133,44 +132,41 @@ std::vector<BlockCost> CostsOfBlocks(const Field& field, const OccupiedField& gr
   return costs;
 }
 
-void RequireOptions(const Field& field, const std::vector<Eigen::Vector3i>& triangles,
-                    const AnalysisOptions& options) {
+}  // namespace
+
+void CheckAnalysisOptions(const AnalysisOptions& options) {
   AnalysisOptions checked = options;
   ValidateOptions(AnyOptions(checked));
   if (options.max_area < options.min_area) {
     throw Error("--max-area " + std::to_string(options.max_area) + " is below --min-area " +
                 std::to_string(options.min_area));
   }
-  if (field.width == 0 && options.distance == VertexDistance::kEdges && triangles.empty()) {
-    throw Error(field.name +
-                ": there is no mesh along whose edges patches could grow; take "
-                "--vertex-distance space");
-  }
 }
 
-}  // namespace
-
-OccupiedField GrayOfField(const Field& field) {
+OccupiedField GrayOfField(const Field& field, double black_share) {
   RequireFinite(field.functions.View(), field.name.c_str());
   const int columns = field.functions.columns;
+  const bool light_behind = field.kind == FieldColumns::kCubeTexels && field.width > 0;
   OccupiedField gray{MakeFunctionRows(field.points, columns),
-                     std::vector<uint8_t>(field.points, 1)};
-  std::vector<double> energies(field.points);
-  for (int64_t point = 0; point < field.points; ++point) {
+                     std::vector<uint8_t>(field.points, 0)};
+  std::vector<double> energies(field.points);  // 0: certainly not occupied
+  ParallelFor(0, field.points, [&](int64_t point) {
     float* row = gray.rows.Row(point);
     for (int channel = 0; channel < field.channels; ++channel) {
       const float* values = field.functions.Row(field.RowOf(point, channel));
       for (int c = 0; c < columns; ++c) row[c] += values[c] / static_cast<float>(field.channels);
     }
-    energies[point] = RowEnergy(row, columns);
-  }
-  double largest = 0;
-  for (const double energy : energies) largest = std::max(largest, energy);
-  const bool light_behind = field.kind == FieldColumns::kCubeTexels && field.width > 0;
-  for (int64_t point = 0; point < field.points; ++point) {
     const bool counts = field.mask.empty() || field.mask[point] != 0;
-    gray.occupied[point] = counts && energies[point] > kBlackShare * largest &&
-                           !(light_behind && SeesLightItself(gray.rows.Row(point), columns));
+    if (counts && !(light_behind && SeesLightItself(row, columns))) {
+      energies[point] = RowEnergy(row, columns);
+    }
+  });
+  double sum = 0;
+  for (const double energy : energies) sum += energy;
+  const auto lit = std::count_if(energies.begin(), energies.end(), [](double e) { return e > 0; });
+  const double mean = lit > 0 ? sum / static_cast<double>(lit) : 0;
+  for (int64_t point = 0; point < field.points; ++point) {
+    gray.occupied[point] = energies[point] > black_share * mean;
   }
   return gray;
 }
@@ -178,8 +174,13 @@ OccupiedField GrayOfField(const Field& field) {
 AnalysisResult AnalyzeField(const Field& field, const std::vector<Eigen::Vector3i>& triangles,
                             const std::vector<int64_t>& centers, const AnalysisOptions& options,
                             Progress& progress) {
-  RequireOptions(field, triangles, options);
-  const OccupiedField gray = GrayOfField(field);
+  CheckAnalysisOptions(options);
+  if (field.width == 0 && options.distance == VertexDistance::kEdges && triangles.empty()) {
+    throw Error(field.name +
+                ": there is no mesh along whose edges patches could grow; take --vertex-distance "
+                "space");
+  }
+  const OccupiedField gray = GrayOfField(field, options.black_share);
   AnalysisResult result;
   result.name = field.name;
   result.points = field.points;

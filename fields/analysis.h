@@ -30,6 +30,7 @@ struct AnalysisOptions {
   PatchShape shape = PatchShape::kDisc;
   VertexDistance distance = VertexDistance::kSpace;
   int global_rows = 2048;
+  double black_share = 1e-3;
   int largest_block = 32;
 
   void Declare(OptionVisitor& v) {
@@ -49,6 +50,11 @@ struct AnalysisOptions {
                   {"space", "edges"}, distance);
     v.Integer({"global-rows", "N is found from so many points, drawn at random.", "", 1, 1 << 20},
               global_rows);
+    v.Number({"black-share",
+              "Points with less than this share of the mean energy are background: alone they "
+              "would show the dimensions of noise.",
+              "", 0, 1},
+             black_share);
     v.Integer({"largest-block",
                "Rendering cost of a picture in blocks of 1, 2, 4 ... up to so many pixels a side; "
                "0: not measured.",
@@ -97,10 +103,14 @@ struct OccupiedField {
   FunctionRows rows;              ///< points x columns
   std::vector<uint8_t> occupied;  ///< a point
 };
-/// A point is occupied when the field's mask has it, it has more than 1e-8 of the largest row's
-/// energy, and, among pixels of light transport, does not see the light itself: one texel with
-/// weight 1 and nothing else. Throws Error when a number is not finite.
-OccupiedField GrayOfField(const Field& field);
+/// A point is occupied when the field's mask has it, it has more than `black_share` of the points'
+/// mean energy, and, among pixels of light transport, does not see the light itself: one texel with
+/// weight 1 and nothing else (such pixels do not count in the mean). Throws Error when a number is
+/// not finite.
+OccupiedField GrayOfField(const Field& field, double black_share);
+
+/// Throws Error when a number is out of range or --max-area below --min-area.
+void CheckAnalysisOptions(const AnalysisOptions& options);
 
 /// Dimensions of patches growing about `centers` (empty: spread evenly, options.centers of them),
 /// the slopes, N from random rows (fixed seed), what Equation 27 makes of them, and the measured

@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
     const fs::path folder = output.out.empty()
                                 ? (fs::is_directory(path) ? path : path.parent_path()) / "analyze"
                                 : fs::path(output.out);
+    lfm::CheckAnalysisOptions(options);
     lfm::RequireWritableFolder(folder);
     const fs::path light_field = path / "resample" / "light_field.lfs";
     const Subject subject = fs::exists(light_field)

@@ -86,13 +86,21 @@ TEST(Analysis, WhatSeesTheLightOrNothingIsNotOccupied) {
     return 0.1f * static_cast<float>(c + 1);
   });
   field.kind = FieldColumns::kCubeTexels;
-  const OccupiedField transport = GrayOfField(field);
+  const OccupiedField transport = GrayOfField(field, 1e-3);
   for (int i = 0; i < 16; ++i) EXPECT_EQ(transport.occupied[i], i >= 8) << i;
   field.kind = FieldColumns::kLights;  // a picture lit from one side may look like that
-  EXPECT_EQ(GrayOfField(field).occupied[1], 1);
+  EXPECT_EQ(GrayOfField(field, 1e-3).occupied[1], 1);
   field.mask.assign(16, 1);
   field.mask[15] = 0;
-  EXPECT_EQ(GrayOfField(field).occupied[15], 0);
+  EXPECT_EQ(GrayOfField(field, 1e-3).occupied[15], 0);
+}
+
+TEST(Analysis, DarkPointsAreBackground) {
+  const Field field = Picture(4, 6, [](int x, int, int) { return x < 2 ? 1.0f : 0.01f; });
+  const OccupiedField strict = GrayOfField(field, 1e-3), lenient = GrayOfField(field, 1e-5);
+  EXPECT_EQ(strict.occupied[0], 1);
+  EXPECT_EQ(strict.occupied[3], 0);
+  EXPECT_EQ(lenient.occupied[3], 1);
 }
 
 TEST(Analysis, ChannelsAreAveraged) {
@@ -104,7 +112,7 @@ TEST(Analysis, ChannelsAreAveraged) {
       field.functions.Row(field.RowOf(point, c))[1] = static_cast<float>(c + point);
     }
   }
-  EXPECT_NEAR(GrayOfField(field).rows.Row(3)[1], 4, 1e-6);
+  EXPECT_NEAR(GrayOfField(field, 0).rows.Row(3)[1], 4, 1e-6);
 }
 
 TEST(Analysis, ResultsDoNotDependOnThreads) {
