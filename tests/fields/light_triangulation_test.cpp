@@ -10,23 +10,12 @@
 #include <random>
 
 #include "core/error.h"
+#include "tests/fields/light_directions.h"
 
 namespace lfm {
 namespace {
 
 using Eigen::Vector3d;
-
-// `count` directions of a spiral from the zenith down to height `lowest`.
-std::vector<Vector3d> Spiral(int count, double lowest) {
-  std::vector<Vector3d> directions;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (1 - lowest) * (i + 0.5) / count;
-    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    const double r = std::sqrt(1 - z * z);
-    directions.push_back(Vector3d(r * std::cos(angle), r * std::sin(angle), z).normalized());
-  }
-  return directions;
-}
 
 Vector3d RandomDirection(std::mt19937& random) {
   std::normal_distribution<double> normal;

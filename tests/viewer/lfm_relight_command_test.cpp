@@ -229,8 +229,10 @@ TEST_F(LfmRelightCommand, PagesRefuseWhatTheyCannotShow) {
 }
 
 TEST_F(LfmRelightCommand, AFullDiskLeavesNoPicture) {
+  model_ = RandomRelightable({.width = 80, .height = 70, .columns = 30});
+  WriteRelightable(model_, file_);
   CommandSettings settings;
-  settings.max_file_bytes = 20;
+  settings.max_file_bytes = 2000;
   const CommandOutcome outcome = Run({file_, out_, "--light", "0,0"}, settings);
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(IsOneLineWith(outcome.err, {"out.png"})) << outcome.err;
