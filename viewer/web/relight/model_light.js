@@ -47,18 +47,20 @@ export class ModelLight {
   surroundings(map, degrees) {
     this.cells ??= this.makeCells();
     const light = [0, 1, 2].map(() => new Float64Array(this.count));
-    const shift = degrees / 360 * kMapWidth;
-    for (let y = 0; y < kMapHeight; ++y) {
-      const solidAngle = solidAngleOfRow(y);
-      for (let x = 0; x < kMapWidth; ++x) {
-        const owner = this.cells.owner[y * kMapWidth + x];
-        if (owner < 0) continue;
-        const { left, right, share } = columnsAt(x + shift);
-        for (let c = 0; c < 3; ++c) {
-          const radiance = (1 - share) * map[3 * (y * kMapWidth + left) + c] +
-            share * map[3 * (y * kMapWidth + right) + c];
-          light[c][owner] += solidAngle * radiance;
-        }
+    const columns = Array.from({ length: kMapWidth }, (_, x) =>
+      columnsAt(x + degrees / 360 * kMapWidth));
+    const { owner } = this.cells, [red, green, blue] = light;
+    for (let y = 0, texel = 0; y < kMapHeight; ++y) {
+      const solidAngle = solidAngleOfRow(y), row = 3 * kMapWidth * y;
+      for (let x = 0; x < kMapWidth; ++x, ++texel) {
+        const own = owner[texel];
+        if (own < 0) continue;
+        const { left, right, share } = columns[x];
+        const a = row + 3 * left, b = row + 3 * right;
+        const toLeft = solidAngle * (1 - share), toRight = solidAngle * share;
+        red[own] += toLeft * map[a] + toRight * map[b];
+        green[own] += toLeft * map[a + 1] + toRight * map[b + 1];
+        blue[own] += toLeft * map[a + 2] + toRight * map[b + 2];
       }
     }
     if (this.cube !== null) this.averageTexels(light, map, degrees);
@@ -117,10 +119,14 @@ function columnsAt(x) {
 }
 
 /** [r, g, b] of a map turned by `degrees`, in a direction of the upright frame. */
-export function radianceAt(map, degrees, direction) {
-  const [u, v] = mapOfDirection(direction);
+export const radianceAt = (map, degrees, direction) =>
+  radianceAtMap(map, degrees, mapOfDirection(direction));
+
+/** The same, at [u, v] of a map that is not turned. */
+export function radianceAtMap(map, degrees, [u, v]) {
   const y = Math.min(kMapHeight - 1, Math.floor(v * kMapHeight));
   const { left, right, share } = columnsAt((u + degrees / 360) * kMapWidth - 0.5);
-  return [0, 1, 2].map((c) => (1 - share) * map[3 * (y * kMapWidth + left) + c] +
-    share * map[3 * (y * kMapWidth + right) + c]);
+  const a = 3 * (y * kMapWidth + left), b = 3 * (y * kMapWidth + right);
+  return [(1 - share) * map[a] + share * map[b], (1 - share) * map[a + 1] + share * map[b + 1],
+          (1 - share) * map[a + 2] + share * map[b + 2]];
 }
