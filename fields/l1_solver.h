@@ -50,8 +50,8 @@ struct L1Solution {
 ///   kReweighted, 10 / 20 / 30 iterations: 2.8 / 4.5 / 6.2 microseconds a row; objective 3e-4 /
 ///   2e-5 / 4e-6 above the optimum on a low rank with 10 % spikes, 1e-3 / 2e-4 / 4e-5 on rows like
 ///   reflectance functions. Time is linear in m; 2.5 x at 8 functions, 9 x at 16.
-///   kExact: 40 to 50 microseconds; the optimum up to float32 rounding of the weights.
-///   kQuadraticProgramme: 0.3 to 0.5 ms. kLinearProgramme: 8 to 9 ms, quadratic in m.
+///   kExact: 35 to 50 microseconds; the optimum up to float32 rounding of the weights.
+///   kQuadraticProgramme: 0.3 to 0.6 ms. kLinearProgramme: 7 to 9 ms, quadratic in m.
 /// A row whose largest number is 1e6 times the others loses sparseness with kReweighted: what it
 /// takes for zero is 1e-4 of the mean residual. kExact knows no such limit.
 ///
