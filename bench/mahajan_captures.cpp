@@ -17,9 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int64_t kMostPoints = 4096;
+constexpr int kWindow = 64;
 
-// Points of the first view and channel, so many apart that no more than kMostPoints are left.
-Field ReadSome(const fs::path& folder) {
+// Points of the first view and channel: of a picture every pixel of a window about `place` (a share
+// of its width; pixels have to be finer than the texels' shadows), or as many pixels as kMostPoints
+// allows of the whole when `place` is negative; of a mesh so many vertices.
+Field ReadSome(const fs::path& folder, double place) {
   const Capture capture = LoadCapture(folder);
   const TransportMatrix matrix(folder / capture.transport->file);
   Field field;
@@ -28,13 +31,21 @@ Field ReadSome(const fs::path& folder) {
   std::vector<int64_t> which;
   if (capture.transport->kind == TransportKind::kImage) {
     const CaptureCamera& camera = capture.cameras.at(capture.transport->camera);
-    int step = 1;
-    while (int64_t{camera.width / step} * (camera.height / step) > kMostPoints) ++step;
-    field.width = camera.width / step;
-    field.height = camera.height / step;
+    int step = 1, left = 0, top = 0;
+    if (place < 0) {
+      while (int64_t{camera.width / step} * (camera.height / step) > kMostPoints) ++step;
+      field.width = camera.width / step;
+      field.height = camera.height / step;
+    } else {
+      field.width = std::min(kWindow, camera.width);
+      field.height = std::min(kWindow, camera.height);
+      left = std::clamp(static_cast<int>(place * camera.width) - field.width / 2, 0,
+                        camera.width - field.width);
+      top = (camera.height - field.height) / 2;
+    }
     for (int y = 0; y < field.height; ++y) {
       for (int x = 0; x < field.width; ++x) {
-        which.push_back(int64_t{y} * step * camera.width + x * step);
+        which.push_back(int64_t{top + y * step} * camera.width + left + x * step);
       }
     }
   } else {
@@ -88,11 +99,10 @@ void DrawCaptures(const fs::path& data, MahajanReport& report) {
   std::vector<ChartCurve> curves;
   for (const Subject& subject : kSubjects) {
     if (!fs::exists(data / subject.name / "capture.json")) continue;
-    const Field field = ReadSome(data / subject.name);
+    const Field field = ReadSome(data / subject.name, subject.place);
     std::vector<int64_t> centers;
     if (subject.place >= 0) {
-      centers.push_back(int64_t{field.height / 2} * field.width +
-                        static_cast<int64_t>(subject.place * field.width));
+      centers.push_back(int64_t{field.height / 2} * field.width + field.width / 2);
     }
     const AnalysisResult result = AnalyzeField(field, {}, centers, options, SilentProgress());
     report.Draw(std::string("capture_") + subject.name,

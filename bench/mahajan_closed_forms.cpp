@@ -19,18 +19,21 @@ namespace {
 using V3d = Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi, kShare = 0.9995;
 
-// The eye looks down from +z, from afar. x to the right, y up, a picture from -1 to 1.
+// The eye looks down from +z, from afar. x to the right, y up.
 struct Scene {
   std::string name;
   std::function<bool(double x, double y)> inside;
   std::function<double(double x, double y, const V3d& light)> transport;
 };
 
+// Pixels about a place, so many that the largest patch fits. A pixel has to be finer than the
+// lights lie apart: else every pixel is its own and dimensions grow with the area, whatever the
+// scene.
 struct View {
-  int side = 48;      // pixels of the whole picture
-  int lights = 6144;  // as many as 6 x 32 x 32 texels
-  int max_area = 1024;
+  double reach = 0.35;  ///< radius of the largest patch
+  int lights = 6144;    ///< as many as 6 x 32 x 32 texels
 };
+constexpr int kSide = 40, kMaxArea = 1024;
 
 std::vector<V3d> EvenDirections(int count) {
   std::vector<V3d> directions;
@@ -44,20 +47,21 @@ std::vector<V3d> EvenDirections(int count) {
 
 ChartCurve CurveAbout(const Scene& scene, double center_x, double center_y, const View& view,
                       const std::string& name) {
-  const auto place = [&](int64_t pixel) { return (2.0 * pixel + 1) / view.side - 1; };
+  const double spacing = view.reach / std::sqrt(kMaxArea / kPi);
+  const auto x_of = [&](int64_t i) {
+    return center_x + spacing * static_cast<double>(i % kSide - kSide / 2);
+  };
+  const auto y_of = [&](int64_t i) {
+    return center_y - spacing * static_cast<double>(i / kSide - kSide / 2);
+  };
   std::vector<uint8_t> occupied;
-  for (int64_t i = 0; i < int64_t{view.side} * view.side; ++i) {
-    occupied.push_back(scene.inside(place(i % view.side), -place(i / view.side)));
-  }
-  const auto pixel = [&](double at) { return static_cast<int64_t>((at + 1) / 2 * view.side); };
-  const NestedPatches patches =
-      PixelPatches(view.side, view.side, occupied, pixel(-center_y) * view.side + pixel(center_x),
-                   PatchShape::kDisc, {16, view.max_area, 2});
+  for (int64_t i = 0; i < kSide * kSide; ++i) occupied.push_back(scene.inside(x_of(i), y_of(i)));
+  const NestedPatches patches = PixelPatches(kSide, kSide, occupied, kSide / 2 * kSide + kSide / 2,
+                                             PatchShape::kDisc, {16, kMaxArea, 2});
   const std::vector<V3d> lights = EvenDirections(view.lights);
   FunctionRows rows = MakeFunctionRows(static_cast<int64_t>(patches.points.size()), view.lights);
   ParallelFor(0, rows.rows, [&](int64_t i) {
-    const double x = place(patches.points[i] % view.side);
-    const double y = -place(patches.points[i] / view.side);
+    const double x = x_of(patches.points[i]), y = y_of(patches.points[i]);
     for (int j = 0; j < view.lights; ++j) {
       rows.Row(i)[j] = static_cast<float>(scene.transport(x, y, lights[j]));
     }
@@ -136,12 +140,12 @@ Scene Blockers(Grid grid, int count, double pitch, double height) {
 }
 
 void DrawConvex(MahajanReport& report) {
-  const View view{96, 6144, 1024};
   std::vector<ChartCurve> centers;
-  for (const double at : {0.0, 0.4, 0.7, 0.98}) {
-    const ChartCurve curve =
-        CurveAbout(Ellipsoid(1, 500), at, 0, view, FormattedText("%g of the radius", at));
-    if (at > 0.9) {
+  for (const double at : {0.0, 0.3, 0.6, 0.99}) {
+    const bool rim = at > 0.9;
+    const ChartCurve curve = CurveAbout(Ellipsoid(1, 500), at, 0, {rim ? 0.06 : 0.375},
+                                        FormattedText("%g of the radius", at));
+    if (rim) {
       report.AddSlope("Figure 7b: at the rim, Phong s = 500", SlopeOf(curve), 0.4, 0.6);
     } else {
       report.AddSlope(FormattedText("Figure 7b: centre at %g of the radius, s = 500", at),
@@ -154,7 +158,7 @@ void DrawConvex(MahajanReport& report) {
   for (const double length : {1.0, 2.0, 4.0, 1e6}) {
     const bool cylinder = length > 1000;
     const std::string name = cylinder ? "cylinder" : FormattedText("semi-axes 1 : %g", 1 / length);
-    curvatures.push_back(CurveAbout(Ellipsoid(length, 500), 0, 0, view, name));
+    curvatures.push_back(CurveAbout(Ellipsoid(length, 500), 0, 0, {0.375}, name));
     if (cylinder) {
       report.AddSlope("Figure 7c: cylinder, Phong s = 500", SlopeOf(curvatures.back()), 0.4, 0.6);
     } else {
@@ -166,22 +170,28 @@ void DrawConvex(MahajanReport& report) {
 
 void DrawShadows(MahajanReport& report) {
   std::vector<ChartCurve> curves;
+  constexpr double kFine = 0.08;  // in which the rim's shadow crosses two texels
   const Scene open = Bowl([](const V3d&, const V3d&) { return 1.0; });
   for (const double at : {0.0, 0.4, 0.7}) {
-    curves.push_back(CurveAbout(open, at, 0, {}, FormattedText("concave, at %g", at)));
+    curves.push_back(CurveAbout(open, at, 0, {kFine}, FormattedText("concave, at %g", at)));
     report.AddSlope(FormattedText("Figure 7d: concave visibility about %g of the radius", at),
                     SlopeOf(curves.back()), 0.4, 0.6);
   }
-  curves.push_back(CurveAbout(Step(), 0, 0, {}, "step"));
+  for (const double reach : {0.15, 0.35}) {
+    report.Note(
+        FormattedText("the same about the middle, pixels %.1f times as coarse", reach / kFine),
+        SlopeText(SlopeOf(CurveAbout(open, 0, 0, {reach}, ""))));
+  }
+  curves.push_back(CurveAbout(Step(), 0, 0, {0.75}, "step"));
   report.AddSlope("Figure 7d: step in 3D", SlopeOf(curves.back()), 0.4, 0.6);
   for (const int lights : {1536, 24576}) {
     report.Note(FormattedText("the same from %d instead of 6144 directions", lights),
-                SlopeText(SlopeOf(CurveAbout(Step(), 0, 0, {48, lights, 1024}, ""))));
+                SlopeText(SlopeOf(CurveAbout(Step(), 0, 0, {0.75, lights}, ""))));
   }
   Draw("figure7d", "Visibility of a concave hemisphere and a step", curves, report);
   std::vector<ChartCurve> grids = {
-      CurveAbout(Blockers(Grid::kAlongX, 15, 0.3, 0.5), 0, 0, {}, "1D grid"),
-      CurveAbout(Blockers(Grid::kBoth, 15, 0.3, 0.5), 0, 0, {}, "2D grid")};
+      CurveAbout(Blockers(Grid::kAlongX, 15, 0.3, 0.5), 0, 0, {0.75}, "1D grid"),
+      CurveAbout(Blockers(Grid::kBoth, 15, 0.3, 0.5), 0, 0, {0.75}, "2D grid")};
   report.AddSlope("Figure 7e: 1D grid of blockers", SlopeOf(grids[0]), 0.4, 0.6);
   report.AddSlope("Figure 7e: 2D grid of blockers", SlopeOf(grids[1]), 0.85, 9);
   Draw("figure7e", "Grids of blockers", grids, report);
