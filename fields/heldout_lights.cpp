@@ -2,7 +2,6 @@
 #include "fields/heldout_lights.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -13,8 +12,6 @@
 
 namespace lfm {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 bool Counts(const Image& mask, int64_t point) { return mask.Data<uint8_t>()[point] >= 128; }
 
@@ -60,7 +57,6 @@ void Finish(const Sums& sums, int lights, LightMethodScore& score) {
   score.psnr_db = PsnrFromMse(sums.mse / lights);
   score.ssim = sums.ssim / lights;
   score.ape = sums.ape / lights;
-  score.seconds_a_picture /= lights;
   if (sums.energies.truth > 0) {
     score.relative_error = sums.energies.difference / sums.energies.truth;
   }
@@ -147,10 +143,7 @@ LightScores ScoreLightMethods(const Field& held_out, const Image& mask, double w
     const Image truth = PictureOfColumn(held_out, light, white);
     std::vector<Image> pictures(count);
     for (size_t i = 0; i < count; ++i) {
-      const Clock::time_point start = Clock::now();
       const std::vector<float> shown = methods[i].predict(held_out.directions[light]);
-      scores.methods[i].seconds_a_picture +=
-          std::chrono::duration<double>(Clock::now() - start).count();
       pictures[i] = PictureOfRows(held_out, shown, white);
       const Energies energies = CompareLinear(held_out, light, shown, mask);
       sums[i].energies.difference += energies.difference;
@@ -176,7 +169,6 @@ nlohmann::json LightScoresToJson(const LightScores& scores) {
       method["ape"] = score.ape;
       method["relative_error"] = score.relative_error;
       method["light_psnr_db"] = score.light_psnr_db;
-      method["seconds_a_picture"] = score.seconds_a_picture;
     }
     methods.push_back(method);
   }

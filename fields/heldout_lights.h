@@ -38,7 +38,6 @@ struct LightMethodScore {
   /// sum |R - prediction|^2 / sum |R|^2 over the same, linear radiance; 0 when all is black.
   double relative_error = 0;
   std::vector<double> light_psnr_db;  ///< a held-out light
-  double seconds_a_picture = 0;
 };
 
 struct LightScores {

@@ -71,19 +71,18 @@ std::string KeyFigures(const json& report) {
 std::string MethodTable(const json& evaluate) {
   std::string html =
       "<table><tr><th>method</th><th>bytes</th><th>PSNR dB</th><th>SSIM</th><th>APE</th>"
-      "<th>relative error</th><th>ms a picture</th></tr>";
+      "<th>relative error</th></tr>";
   for (const json& method : evaluate["methods"]) {
     html += "<tr><td>" + EscapeMarkup(method.value("name", "")) + "</td><td class=n>" +
             std::to_string(method.value("bytes", int64_t{0})) + "</td>";
     if (method.contains("psnr_db")) {
-      const auto cell = [&](const char* key, const char* format, double scale) {
-        html += "<td class=n>" + Number(scale * method[key].get<double>(), format) + "</td>";
+      const auto cell = [&](const char* key, const char* format) {
+        html += "<td class=n>" + Number(method[key].get<double>(), format) + "</td>";
       };
-      cell("psnr_db", "%.2f", 1);
-      cell("ssim", "%.4f", 1);
-      cell("ape", "%.2f", 1);
-      cell("relative_error", "%.5f", 1);
-      cell("seconds_a_picture", "%.1f", 1e3);
+      cell("psnr_db", "%.2f");
+      cell("ssim", "%.4f");
+      cell("ape", "%.2f");
+      cell("relative_error", "%.5f");
     }
     html += "</tr>";
   }

@@ -8,6 +8,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/json_reader.h"
+#include "core/parallel.h"
 #include "fields/ptm_file.h"
 #include "fields/relightable_file.h"
 #include "fields/rti_file.h"
@@ -92,6 +93,21 @@ TEST_F(LightPipeline, DoesAgainWhatHasChangedAlone) {
   EXPECT_FALSE(Run().stages[0].second.skipped);
   options_.from = options_.to = "evaluate";
   EXPECT_EQ(Run().stages.size(), 1u);
+}
+
+TEST_F(LightPipeline, ThreadsDoNotChangeTheResult) {
+  WriteSmallLightCapture(Capture(), 20, HeldOutLights::kEveryFourth);
+  std::vector<std::string> models, scores;
+  for (int threads : {1, 2}) {
+    SetThreadCount(threads);
+    options_.out = (scratch_.folder / ("work" + std::to_string(threads))).string();
+    Run();
+    models.push_back(ReadFile(fs::path(options_.out) / "encode" / "model.lfr"));
+    scores.push_back(ReadFile(fs::path(options_.out) / "evaluate" / "evaluation.json"));
+  }
+  SetThreadCount(0);
+  EXPECT_EQ(models[0], models[1]);
+  EXPECT_EQ(scores[0], scores[1]);
 }
 
 TEST_F(LightPipeline, ReportLeavesOutWhatWasChangedSince) {
