@@ -2,10 +2,11 @@
 // The pages for relighting with models in them, for the tests in a browser.
 //
 // Environment: that of pages.mjs, and LFM_RELIGHT_SAMPLES (what relight_samples wrote).
+import assert from 'node:assert/strict';
 import { readdir, readFile } from 'node:fs/promises';
 import path from 'node:path';
 import { serve } from './browser.mjs';
-import { onDisk, web } from './pages.mjs';
+import { onDisk, openPage, web } from './pages.mjs';
 
 export const samples = path.resolve(process.env.LFM_RELIGHT_SAMPLES);
 export const kNoBackground = [-1, -1, -1]; // every pixel counts
@@ -41,3 +42,13 @@ export const folder = (lfr) => serve({
   '/app.js': path.join(web, 'relight_app.js'),
   ...(lfr === null ? {} : { '/model.lfr': lfr }),
 });
+
+/** A page with a sample in it, when all is drawn. */
+export async function openSample(name = 'color', settings = {}, options = {}) {
+  const opened = await openPage(await singleFile(await sample(name), { name }), settings, options);
+  assert.equal(opened.state.error, null);
+  return opened;
+}
+
+export const near = (found, expected, tolerance) => found.forEach((value, i) =>
+  assert.ok(Math.abs(value - expected[i]) <= tolerance, `${found} instead of ${expected}`));
