@@ -99,6 +99,14 @@ struct Contender {
   int residuals = 0;
 };
 
+// Errors of the object's rows; the background has none.
+std::vector<float> OfObject(const std::vector<float>& row_errors,
+                            const std::vector<int64_t>& object) {
+  std::vector<float> errors(row_errors.size(), -1.0f);
+  for (const int64_t r : object) errors[r] = row_errors[r];
+  return errors;
+}
+
 // One picture after another, from the left; a second row under it.
 Image Beside(const std::vector<Image>& above, const std::vector<Image>& below) {
   const int width = above[0].width(), height = above[0].height();
@@ -247,11 +255,13 @@ void PrintFigure6(const YamadaField& data, Progress& progress) {
     std::printf("  %.2f MB  %.1f %%\n",
                 static_cast<double>(ModelBytes(c.model, c.residuals)) * 1e-6,
                 100 * ShareOfFloat16(c.model, c.residuals));
+    std::fflush(stdout);
   }
   constexpr double kFullScale = 0.2;
   std::vector<Image> maps, differences;
   for (size_t i = 0; i < contenders.size(); ++i) {
     if (i == 1 || i == 2) continue;
+    errors[i] = OfObject(errors[i], data.kinds.object);
     maps.push_back(ErrorPicture(data.field, errors[i], 1, 0, kFullScale));
     if (i > 0)
       differences.push_back(DifferencePicture(data.field, errors[0], errors[i], kFullScale));
