@@ -40,9 +40,9 @@ struct AdaptiveClusters {
 /// what holds `energy_share` of the full rows' energy. `reduced` are the same rows in few
 /// coordinates (fields/wavelet_reduction.h): the first clusters and the division of clusters of
 /// more than `full_rows` rows look at these; the others look at the full rows in their own leading
-/// singular vectors, which lose no more than 1/256 of what the share leaves out. A division is
-/// tried with three numbers of basis functions a half (an eighth, a quarter and a half of n), the
-/// cheapest counts.
+/// singular vectors, which at every level of division lose at most 1/1024 of what the share leaves
+/// out. A division is tried with three numbers of basis functions a half (an eighth, a quarter and
+/// a half of n), the cheapest counts.
 ///
 /// One row, equal rows and black rows are not divided; without rows there are no clusters. The
 /// result does not depend on the number of threads. Throws Error when an option is out of range,
