@@ -116,8 +116,12 @@ void PrintTimes(const std::vector<CurvePoint>& curve, int columns, double global
       }
     }
     const double direct = CostOf(point.sizes, columns).Total();
+    auto numbers = static_cast<double>(model.weights.size());
+    for (const FunctionRows& basis : model.bases) {
+      numbers += static_cast<double>(basis.rows) * basis.columns;
+    }
     std::printf("| %s | %.3g | %.2f | %.2f | %.1f | %.3g | %.2f | %.2f |\n", point.name.c_str(),
-                direct, 1e3 * best[0], 1e9 * best[0] / direct, 4e-6 * direct, point.cost.Total(),
+                direct, 1e3 * best[0], 1e9 * best[0] / direct, 4e-6 * numbers, point.cost.Total(),
                 1e3 * best[1], 1e9 * best[1] / point.cost.Total());
     std::fflush(stdout);
   }

@@ -24,6 +24,7 @@ void CheckRow(const ClusteredModel& model, int64_t row) {
   if (begin < 0 || end < begin || end > static_cast<int64_t>(model.residual_value.size())) {
     fail("has residuals that are not there");
   }
+  if (end - begin > model.columns) fail("has more residuals than columns");
   for (int64_t i = begin; i < end; ++i) {
     if (model.residual_column[i] >= model.columns) fail("has a residual beyond its columns");
   }
@@ -45,6 +46,9 @@ void CheckModel(const ClusteredModel& model) {
   for (const FunctionRows& basis : model.bases) {
     if (basis.rows > 0 && basis.columns != model.columns) {
       throw Error("clustered model: a basis has another number of columns");
+    }
+    if (basis.rows > model.columns) {
+      throw Error("clustered model: a basis has more functions than columns");
     }
     if (!AllFinite(basis.values)) throw Error("clustered model: a basis is not finite");
   }

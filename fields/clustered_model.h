@@ -30,8 +30,8 @@ struct ClusteredModel {
   int Terms(int64_t row) const { return static_cast<int>(bases[cluster[row]].rows); }
 };
 
-/// Throws Error when sizes, cluster numbers or columns do not fit together, or a number is not
-/// finite.
+/// Throws Error when sizes, cluster numbers or columns do not fit together, a basis has more
+/// functions or a row more residuals than there are columns, or a number is not finite.
 void CheckModel(const ClusteredModel& model);
 
 /// Row `row` with its first `residuals` residual entries (-1: all), into `out` (columns floats).

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "fields/block_pca.h"
 #include "fields/clustered_pca.h"
+#include "fields/matrix_products.h"
 #include "fields/wavelet_reduction.h"
 
 namespace lfm {
@@ -19,8 +20,7 @@ double GlobalTermsOf(RowsView rows, const CpcaOptions& options) {
   return static_cast<double>(GlobalTerms(rows, kSample, options.energy_percent / 100));
 }
 
-Clustering ByRows(const Field& field, const CpcaOptions& options, double global_terms) {
-  const RowsView full = field.functions.View();
+Clustering DivideRows(RowsView full, const CpcaOptions& options, double global_terms) {
   FunctionRows reduced;
   RowsView seen = full;
   if (options.wavelets > 0 && options.wavelets < full.columns) {
@@ -42,10 +42,40 @@ Clustering ByRows(const Field& field, const CpcaOptions& options, double global_
       .clustering;
 }
 
+// Rows that show nothing have a last cluster, without functions.
+Clustering ByRows(RowsView full, const CpcaOptions& options, double global_terms) {
+  const std::vector<double> energies = RowEnergies(full);
+  std::vector<int64_t> lit;
+  for (int64_t row = 0; row < full.rows; ++row) {
+    if (energies[row] > 0) lit.push_back(row);
+  }
+  if (static_cast<int64_t>(lit.size()) == full.rows) {
+    return DivideRows(full, options, global_terms);
+  }
+  Clustering part;
+  if (!lit.empty()) {
+    part = DivideRows(GatherRows(full, lit).View(), options, global_terms);
+  }
+  Clustering all{part.clusters + 1, std::vector<int>(energies.size(), part.clusters)};
+  for (size_t i = 0; i < lit.size(); ++i) all.cluster[lit[i]] = part.cluster[i];
+  return all;
+}
+
+void RequireFewBlocks(const Field& field, int side) {
+  constexpr int64_t kMostClusters = 65536;
+  const auto along = [side](int length) { return (int64_t{length} + side - 1) / side; };
+  const int64_t blocks = along(field.width) * along(field.height) * field.channels;
+  if (blocks > kMostClusters) {
+    throw Error(field.name + ": blocks of " + std::to_string(side) + " pixels are " +
+                std::to_string(blocks) + " clusters, more than 65536; take a larger --cpca-block");
+  }
+}
+
 Clustering ByBlocks(const Field& field, const CpcaOptions& options, double global_terms) {
   if (field.width < 1 || int64_t{field.width} * field.height != field.points) {
     throw Error(field.name + ": blocks need a picture");
   }
+  RequireFewBlocks(field, options.block);
   const BlockOptions blocks = {options.energy_percent / 100, global_terms};
   Clustering all;
   for (int channel = 0; channel < field.channels; ++channel) {
@@ -81,7 +111,7 @@ CpcaResult EncodeClusteredPca(const Field& field, const CpcaOptions& options) {
   const bool by_blocks =
       options.division == CpcaDivision::kBlocks || options.division == CpcaDivision::kQuadtree;
   const Clustering clustering = by_blocks ? ByBlocks(field, options, result.global_terms)
-                                          : ByRows(field, options, result.global_terms);
+                                          : ByRows(rows, options, result.global_terms);
   const int most = options.max_terms > 0 ? options.max_terms : std::numeric_limits<int>::max();
   result.model = ModelOfClusters(rows, clustering,
                                  {.max_terms = most, .energy_share = options.energy_percent / 100});

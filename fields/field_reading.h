@@ -59,7 +59,7 @@ struct ReflectanceFieldData {
 ///
 /// Extremes: one light, one pixel, a black field and lights below the horizon of the view are read
 /// as they are. Notes say how many negative values were set to zero, which directions come twice,
-/// how many lights lie behind the picture's plane, and that nothing but black was seen. Throws
+/// how many lights lie below the horizon (z < 0), and that nothing but black was seen. Throws
 /// Error, naming the file and what to do, when there is no training picture, a picture is missing,
 /// of another size than its camera's or of other channels than the first, a pixel that counts is
 /// not finite, a direction is no unit vector, an intensity is not positive and finite, the mask is

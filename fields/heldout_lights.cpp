@@ -66,7 +66,7 @@ void Finish(const Sums& sums, int lights, LightMethodScore& score) {
 
 double DisplayWhite(const Field& field) {
   constexpr double kShare = 0.999;
-  std::vector<float> brightest;  // of each row: a hundredth of the values, and what clips
+  std::vector<float> brightest;  // of each row that shows anything
   for (int64_t r = 0; r < field.functions.rows; ++r) {
     const float* row = field.functions.Row(r);
     const float largest = *std::max_element(row, row + field.functions.columns);

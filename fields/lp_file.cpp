@@ -71,7 +71,9 @@ LpFile ParseLp(std::string_view text, const std::string& name) {
   std::optional<int64_t> count;
   LpFile file;
   for (const TextLine& line : lines) {
-    if (line.text.starts_with('#') && !EndsInThreeNumbers(WordsOfLine(line.text))) continue;
+    const bool is_comment = !count || line.text.starts_with("# ") || line.text.starts_with("#\t") ||
+                            !EndsInThreeNumbers(WordsOfLine(line.text));
+    if (line.text.starts_with('#') && is_comment) continue;
     if (!count) {
       count = CountOfLine(line.text);
       if (!count) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 
@@ -74,14 +75,16 @@ QuantizedFit QuantizeFit(const LuminanceFit& fit) {
 }
 
 LightFit DequantizeFit(const QuantizedFit& quantized) {
+  constexpr double kMostFloat = std::numeric_limits<float>::max();
   const int terms = LightBasisTerms(quantized.basis);
   LightFit fit{quantized.basis, quantized.space, quantized.frame,
                MakeFunctionRows(quantized.points * quantized.channels, terms)};
   for (int64_t r = 0; r < fit.coefficients.rows; ++r) {
     for (int t = 0; t < terms; ++t) {
-      fit.coefficients.Row(r)[t] = static_cast<float>(
+      const double value =
           quantized.step[t] *
-          (quantized.bytes[static_cast<size_t>(r) * terms + t] - quantized.bias[t]));
+          (quantized.bytes[static_cast<size_t>(r) * terms + t] - quantized.bias[t]);
+      fit.coefficients.Row(r)[t] = static_cast<float>(std::clamp(value, -kMostFloat, kMostFloat));
     }
   }
   return fit;

@@ -29,7 +29,8 @@ Stack StackFrom(const std::vector<FunctionRows>& bases, int first, int columns) 
     stack.starts.push_back(next);
     ++stack.end;
   }
-  stack.functions = MakeFunctionRows(stack.starts.back(), columns);
+  // Bases of black rows have no functions; one of zeros holds as little.
+  stack.functions = MakeFunctionRows(std::max<int64_t>(stack.starts.back(), 1), columns);
   for (int basis = first; basis < stack.end; ++basis) {
     for (int64_t t = 0; t < bases[basis].rows; ++t) {
       std::copy_n(bases[basis].Row(t), columns,

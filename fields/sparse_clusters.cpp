@@ -140,6 +140,10 @@ ClusterState AtFullResolution(const Field& field, const ActiveRows& rows,
                               SparseClusterResult& result, Progress& progress) {
   result.bootstrap_factor = ChooseFactor(field, rows.count(), options);
   CoarseField coarse = MakeCoarseField(field, result.bootstrap_factor);
+  if (RowsWithEnergy(coarse.rows.View()).count() == 0) {  // neighbours cancel each other
+    result.bootstrap_factor = 1;
+    coarse = MakeCoarseField(field, 1);
+  }
   ClusterNeighbourhoods near(field, coarse);
   ClusterState state;
   {

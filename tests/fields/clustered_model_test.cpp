@@ -74,6 +74,18 @@ TEST(ClusteredModel, TablesThatDoNotFitAreRefused) {
   EXPECT_THROW(CheckModel(broken([](auto& m) { m.first_weight[0] = -1; })), Error);
   EXPECT_THROW(CheckModel(broken([](auto& m) { m.first_residual[1] = 5; })), Error);
   EXPECT_THROW(CheckModel(broken([](auto& m) { m.residual_column[0] = 3; })), Error);
+  EXPECT_THROW(CheckModel(broken([](auto& m) {
+                 m.bases[0] = Basis({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}, 3);
+                 m.first_weight = {0, 4, 4};
+                 m.weights.resize(8);
+               })),
+               Error);
+  EXPECT_THROW(CheckModel(broken([](auto& m) {
+                 m.first_residual = {0, 4, 4, 4};
+                 m.residual_column = {0, 1, 2, 0};
+                 m.residual_value = {4, 3, 2, 1};
+               })),
+               Error);
   EXPECT_THROW(
       CheckModel(broken([](auto& m) { m.weights[0] = std::numeric_limits<float>::quiet_NaN(); })),
       Error);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/error.h"
 #include "planted_rows.h"
@@ -43,6 +44,41 @@ TEST(Cpca, HasNoMoreTermsThanAllowed) {
   const CpcaResult result = EncodeClusteredPca(
       PlantedPicture(1), {.division = CpcaDivision::kFixed, .max_terms = 1, .clusters = 2});
   for (const PatchSize& size : result.sizes) EXPECT_EQ(size.terms, 1);
+}
+
+TEST(Cpca, BlackRowsStoreNothing) {
+  for (const CpcaDivision division : {CpcaDivision::kAdaptive, CpcaDivision::kFixed}) {
+    for (const int min_rows : {1, 7}) {
+      const Field lit = PlantedPicture(1);
+      Field field = lit;
+      field.points = 320;
+      field.width = 40;
+      field.functions = MakeFunctionRows(320, lit.functions.columns);
+      for (int64_t r = 0; r < 64; ++r) {
+        std::copy_n(lit.functions.Row(r), lit.functions.columns, field.functions.Row(5 * r));
+      }
+      const CpcaOptions options = {.division = division, .clusters = 4, .min_rows = min_rows};
+      const ClusteredModel alone = EncodeClusteredPca(lit, options).model;
+      const ClusteredModel with_black = EncodeClusteredPca(field, options).model;
+      CheckModel(with_black);
+      EXPECT_EQ(with_black.weights, alone.weights);
+      EXPECT_EQ(with_black.Terms(1), 0);
+    }
+  }
+}
+
+TEST(Cpca, TooManyBlocksAreRefusedBeforeTheyAreMade) {
+  Field field;
+  field.name = "large";
+  field.width = field.height = 300;
+  field.points = 90000;
+  field.functions = MakeFunctionRows(90000, 1);
+  try {
+    EncodeClusteredPca(field, {.division = CpcaDivision::kBlocks, .block = 1});
+    FAIL() << "90000 clusters were made";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--cpca-block"), std::string::npos);
+  }
 }
 
 TEST(Cpca, HoldsExtremesAndRejectsNonsense) {

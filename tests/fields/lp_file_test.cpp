@@ -48,6 +48,13 @@ TEST(LpFile, BlankLinesAndRemarksAreSkipped) {
   EXPECT_EQ(file.lights[0].line, 5);
 }
 
+TEST(LpFile, RemarksMayEndInThreeNumbers) {
+  const LpFile file =
+      ParseLp("# made 2020 1 2\n2\n# note 1 2 3\na.png 0 0 1\n#b.png 0 1 0\n", "lights.lp");
+  ASSERT_EQ(file.lights.size(), 2u);
+  EXPECT_EQ(file.lights[1].picture, "#b.png");
+}
+
 TEST(LpFile, PositionsOfAnyLengthBecomeDirections) {
   const LpFile file =
       ParseLp("4\na 300 0 400\nb 3e-25 0 4e-25\nc 3e25 0 -4e25\nd 0.6 0 0.8\n", "x.lp");

@@ -54,7 +54,8 @@ RelightableModel RandomRelightable(const RandomRelightableShape& shape) {
   m.rows = r.points * r.channels;
   m.columns = shape.columns;
   for (int k = 0; k < shape.clusters; ++k) {
-    FunctionRows basis = MakeFunctionRows(k % (shape.most_terms + 1), shape.columns);
+    FunctionRows basis =
+        MakeFunctionRows(std::min(k % (shape.most_terms + 1), shape.columns), shape.columns);
     for (int64_t t = 0; t < basis.rows; ++t) {
       for (int i = 0; i < shape.columns; ++i) basis.Row(t)[i] = Number(random);
     }

@@ -11,7 +11,7 @@ namespace lfm {
 struct RandomRelightableShape {
   int width = 9, height = 5, channels = 3;
   int columns = 20;
-  int clusters = 4;  ///< of the sizes 0 to most_terms in turn
+  int clusters = 4;  ///< of the sizes 0 to most_terms in turn, columns at most
   int most_terms = 3;
   int most_residuals = 5;  ///< a row has 0 to this many, in columns of their own
   uint32_t seed = 1;

@@ -267,6 +267,29 @@ TEST(SparseClusters, ABlackFieldHasNoFunctions) {
   CheckModel(ClusterSparse(none, {}, SilentProgress()).model);
 }
 
+TEST(SparseClusters, NeighboursThatCancelAreClusteredAtFullResolution) {
+  Field field;
+  field.name = "checkerboard";
+  field.width = field.height = 4;
+  field.points = 16;
+  field.functions = MakeFunctionRows(16, 5);
+  field.directions.assign(5, Eigen::Vector3d::UnitZ());
+  for (int64_t r = 0; r < 16; ++r) {
+    const float sign = (r + r / 4) % 2 == 0 ? 1 : -1;
+    for (int i = 0; i < 5; ++i) field.functions.Row(r)[i] = sign * static_cast<float>(i + 1);
+  }
+  for (const ClusterStart start : {ClusterStart::kSimilar, ClusterStart::kRandom}) {
+    SparseClusterOptions options;
+    options.clusters = 2;
+    options.terms = 1;
+    options.bootstrap_factor = 2;
+    options.cluster_start = start;
+    const SparseClusterResult result = ClusterSparse(field, options, SilentProgress());
+    EXPECT_EQ(result.bootstrap_factor, 1);
+    EXPECT_LT(RelativeError(result.model, field.functions.View(), -1), 1e-5);
+  }
+}
+
 TEST(SparseClusters, AnyScale) {
   for (float scale : {1e-25f, 1e6f, 1e25f}) {
     Planted planted = Plant(20, 10, 1, 2, 2, 0.05);
