@@ -44,7 +44,8 @@ struct VertexModelOptions {
   lfm::FieldEncodeOptions encode;
   void Declare(lfm::OptionVisitor& v) {
     v.Flag({"vertex-model",
-            "Write WORK/encode/model.lfr in place of model.glb: what each vertex sends into every "
+            "Write WORK/encode/model.lfr, and leave model.glb as it is: what each vertex sends "
+            "into every "
             "direction, in clusters with a basis each (--field-method and the options below)."},
            vertex_model);
     functions.Declare(v);
@@ -62,15 +63,18 @@ void EncodeVertices(const lfm::LightField& light_field, const VertexModelOptions
   lfm::WriteRelightable(result.model, folder / "model.lfr");
   lfm::WriteFileAtomically(folder / "vertex_model.json", result.figures.dump(2) + "\n");
   char line[200];
-  std::snprintf(line, sizeof line,
-                "%lld vertices, %.1f : 1, relative error %.5f (without residual %.5f); model.lfr "
-                "%.2f MB",
+  std::snprintf(line, sizeof line, "%lld vertices, %.1f : 1; model.lfr %.2f MB",
                 static_cast<long long>(vertices.field.points),
                 result.figures["compression_ratio"].get<double>(),
-                result.figures.value("relative_error", 0.0),
-                result.figures.value("relative_error_without_residual", 0.0),
                 result.figures["model_bytes"].get<double>() * 1e-6);
-  progress.Note(line);
+  std::string text = line;
+  if (result.figures.contains("relative_error")) {
+    std::snprintf(line, sizeof line, "; relative error %.5f, without residual %.5f",
+                  result.figures["relative_error"].get<double>(),
+                  result.figures["relative_error_without_residual"].get<double>());
+    text += line;
+  }
+  progress.Note(text);
 }
 
 std::string WriteAfx(const lfm::LightFieldModel& model, const OutputOptions& output,
@@ -132,7 +136,7 @@ int main(int argc, char** argv) {
       "lfm-encode",
       "Factorises and quantises the light field: WORK/resample/light_field.lfs "
       "and the places of the photographs, WORK/calib, go in; WORK/encode/model.glb, and the same "
-      "for transport, model.lfz, come out.",
+      "for transport, model.lfz, come out; with --vertex-model functions of vertices, model.lfr.",
       "lfm-encode demo/work --term-gain 0.5");
   std::string work_folder;
   command.Positional("WORK", "workspace folder", work_folder);

@@ -62,11 +62,13 @@ void EvaluateLights(const std::string& capture, const lfm::Workspace& workspace,
 int main(int argc, char** argv) {
   std::string capture_folder, work;
   EvaluateOptions options;
-  lfm::CommandLine line("lfm-evaluate",
-                        "Says how good a model is on photographs that it never saw: renders the "
-                        "test photographs' cameras and compares foreground pixels.",
-                        "lfm-evaluate demo/capture demo/work --ground-truth");
-  line.Positional("CAPTURE", "Capture folder.", capture_folder);
+  lfm::CommandLine line(
+      "lfm-evaluate",
+      "Says how good a model is on photographs that it never saw: renders the "
+      "test photographs' cameras and compares foreground pixels. Of a capture that varies in "
+      "light: how good it is on lights that it never saw.",
+      "lfm-evaluate demo/capture demo/work --ground-truth");
+  line.Positional("CAPTURE", "Capture folder, .lp file or DiLiGenT folder.", capture_folder);
   line.Positional("WORK", "Workspace folder that lfm-pipeline filled.", work);
   line.Options(lfm::AnyOptions(options));
   return line.Run(argc, argv, [&](lfm::Progress& progress) {

@@ -108,10 +108,15 @@ void CheckUsage(const LightOptions& light, const PictureOptions& picture,
   if (light.environment.empty() && light.light.empty()) {
     throw lfm::Error("there is no light; give --environment, --light or both");
   }
+  std::error_code absent;
+  if (!light.environment.empty() && std::filesystem::equivalent(light.environment, out, absent)) {
+    throw lfm::Error(out.string() + ": is the environment, which OUT would replace; name another");
+  }
   const std::string ending = out.extension().string();
   const bool names_picture = ending == ".png" || ending == ".exr" || ending == ".jpg";
   if (picture.frames > 0) {
-    if (names_picture || (std::filesystem::exists(out) && !std::filesystem::is_directory(out))) {
+    if (names_picture ||
+        (std::filesystem::exists(out, absent) && !std::filesystem::is_directory(out, absent))) {
       throw lfm::Error(out.string() + ": --frames writes a folder of pictures; name one");
     }
   } else if (!names_picture) {
@@ -160,6 +165,15 @@ double StopsToWhite(const lfm::Image& linear) {
   return *place > 0 ? -std::log2(double{*place}) : 0;
 }
 
+void RequireFinitePicture(const lfm::Image& linear) {
+  const float* values = linear.Data<float>();
+  if (!std::all_of(values, values + linear.size(), [](float v) { return std::isfinite(v); })) {
+    throw lfm::Error(
+        "the light is too strong for this model: the picture is not finite; lower --irradiance, "
+        "or darken the environment");
+  }
+}
+
 std::filesystem::path FramePath(const std::filesystem::path& folder, size_t frame) {
   char name[32];
   std::snprintf(name, sizeof(name), "frame_%04zu.png", frame);
@@ -179,6 +193,9 @@ void Run(const std::string& model_file, const std::filesystem::path& out,
   if (model.width == 0) {
     throw lfm::Error(model_file + ": is a model of vertices, which have no picture of their own");
   }
+  if (model.kind == lfm::FieldColumns::kViews) {
+    throw lfm::Error(model_file + ": shows one light from many views; it cannot be relit");
+  }
   const lfm::Relighter relighter(model);
   const Lights lights(model, light_options);
   lfm::Tone tone{options.exposure, options.tone};
@@ -188,6 +205,7 @@ void Run(const std::string& model_file, const std::filesystem::path& out,
   for (size_t i = 0; i < plan.size(); ++i) {
     const lfm::Image linear =
         relighter.RelightPicture(relighter.Prepare(lights.Of(plan[i])), options.residuals);
+    RequireFinitePicture(linear);
     if (i == 0 && options.auto_exposure) tone.exposure_stops += StopsToWhite(linear);
     const std::filesystem::path file = options.frames > 0 ? FramePath(out, i) : out;
     lfm::WriteImage(file.extension() == ".exr" ? linear : lfm::ShowLinear(tone, linear), file);
@@ -205,16 +223,19 @@ Eigen::Matrix3d CameraOf(const std::filesystem::path& capture_folder) {
   return capture.reflectance_field->camera_from_world->rotation;
 }
 
-/// Pages replace pages, and nothing else: a model.lfr in a folder without pages is somebody's.
+/// Pages replace pages, and nothing else: a file of one of their names in a folder without pages is
+/// somebody's.
 void RequireNothingOfOthers(const std::filesystem::path& model_file,
                             const std::filesystem::path& out) {
+  if (out.empty()) throw lfm::Error("--web needs a folder to write to; name one");
   std::error_code absent;
-  const std::filesystem::path there = out / "model.lfr";
-  const bool stays = !std::filesystem::exists(there, absent) ||
-                     std::filesystem::equivalent(model_file, there, absent);
-  if (!stays && !std::filesystem::exists(out / "app.js", absent)) {
+  if (std::filesystem::exists(out / "relight.html", absent)) return;
+  for (const char* name : {"model.lfr", "index.html", "app.js"}) {
+    const std::filesystem::path there = out / name;
+    if (!std::filesystem::exists(there, absent)) continue;
+    if (std::filesystem::equivalent(model_file, there, absent)) continue;
     throw lfm::Error(there.string() +
-                     " is another model, which --web would replace; name another folder");
+                     " is somebody else's, which --web would replace; name another folder");
   }
 }
 
@@ -230,6 +251,8 @@ void WriteForBrowsers(const std::filesystem::path& model_file, const std::filesy
   if (model.kind == lfm::FieldColumns::kViews) {
     throw lfm::Error(model_file.string() + ": shows one light from many views");
   }
+  // What the page could not light is an Error here.
+  lfm::MakeLightCells(model.kind, model.directions, {});
   std::optional<Eigen::Matrix3d> camera;
   if (!options.capture.empty()) camera = CameraOf(options.capture);
   RequireNothingOfOthers(model_file, out);

@@ -168,6 +168,19 @@ TEST_F(LfmRelightCommand, RefusesBadInputInOneLine) {
   ExpectRefusal({file_, out_, "--light", "0,0"}, {"views"});
 }
 
+TEST_F(LfmRelightCommand, NeverReplacesTheSurroundingsNorShowsWhatIsNotFinite) {
+  const std::string before = ReadFile(environment_);
+  const CommandOutcome outcome = Run({file_, environment_, "--environment", environment_});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(IsOneLineWith(outcome.err, {"room.exr", "is the environment"})) << outcome.err;
+  EXPECT_EQ(ReadFile(environment_), before);
+
+  for (float& weight : model_.model.weights) weight *= 1e20f;
+  WriteRelightable(model_, file_);
+  ExpectRefusal({file_, out_, "--light", "0,60", "--irradiance", "1e30"},
+                {"too strong", "--irradiance"});
+}
+
 TEST_F(LfmRelightCommand, WritesPagesForBrowsers) {
   const fs::path web = scratch_.folder / "web";
   ASSERT_EQ(Run({file_, web, "--web"}).status, 0);
@@ -182,10 +195,14 @@ TEST_F(LfmRelightCommand, WritesPagesForBrowsers) {
   WriteRelightable(model_, file_);
   ASSERT_EQ(Run({file_, web, "--web"}).status, 0);
   EXPECT_NE(ReadFile(web / "relight.html").find("<title>another</title>"), std::string::npos);
-  fs::remove(web / "app.js");
+  for (const char* name : {"relight.html", "index.html", "app.js"}) fs::remove(web / name);
   model_.name = "a third";
   WriteRelightable(model_, file_);
   ExpectRefusal({file_, web, "--web"}, {"model.lfr", "another folder"});
+  const fs::path site = scratch_.folder / "site";
+  WriteFileAtomically(site / "index.html", "somebody's");
+  ExpectRefusal({file_, site, "--web"}, {"index.html", "another folder"});
+  EXPECT_EQ(ReadFile(site / "index.html"), "somebody's");
 }
 
 TEST_F(LfmRelightCommand, PagesKnowTheCameraOfTheCapture) {
