@@ -110,7 +110,7 @@ test('a scene in a folder on a server: each file once, then what the reference s
   const names = ['app.js', 'model-2.glb', 'model-3.glb', 'model.glb', 'scene.json'];
   const files = names.map((name) => [`/${name}`, path.join(written, name)]);
   const url = await serve({ '/': path.join(written, 'index.html'), ...Object.fromEntries(files) },
-                          { slowly: 20000 });
+                          { slowly: 5000 });
   const opened = await openPage(url, kBare);
   const { error, loadedTerms, terms, times } = opened.state;
   assert.equal(error, null);
