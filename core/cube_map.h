@@ -32,12 +32,12 @@ struct CubeMap {
 
   /// The texel that a direction (any length but 0) falls into.
   int TexelOf(const Eigen::Vector3f& direction) const {
-    int axis = 0;
-    direction.cwiseAbs().maxCoeff(&axis);
-    const float length = std::abs(direction[axis]);
+    const float x = std::abs(direction.x()), y = std::abs(direction.y());
+    const float z = std::abs(direction.z());
+    const int axis = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
+    const float half = 0.5f * static_cast<float>(resolution), scale = half / std::max({x, y, z});
     const auto cell = [&](int other) {
-      const float p = 0.5f * (direction[other] / length + 1) * static_cast<float>(resolution);
-      return std::clamp(static_cast<int>(p), 0, resolution - 1);
+      return std::clamp(static_cast<int>(scale * direction[other] + half), 0, resolution - 1);
     };
     const int face = 2 * axis + (direction[axis] < 0 ? 1 : 0);
     return (face * resolution + cell((axis + 2) % 3)) * resolution + cell((axis + 1) % 3);

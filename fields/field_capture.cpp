@@ -18,26 +18,6 @@ namespace fs = std::filesystem;
 constexpr const char* kManifest = "capture.json";
 constexpr const char* kAssembly = "assembly-files";
 
-bool IsLpFile(const fs::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  std::error_code error;
-  return ending == ".lp" && fs::is_regular_file(file, error);
-}
-
-// In order of their names.
-std::vector<fs::path> LpFilesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (IsLpFile(it->path())) files.push_back(it->path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 Capture OpenManifest(const fs::path& folder) {
   Capture capture = LoadCapture(folder);
   if (!capture.reflectance_field && !capture.transport) {
@@ -67,6 +47,25 @@ Capture OpenFolder(const fs::path& folder, const FieldCaptureOptions& options, P
 }
 
 }  // namespace
+
+bool IsLpFile(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  std::error_code error;
+  return ending == ".lp" && fs::is_regular_file(file, error);
+}
+
+std::vector<fs::path> LpFilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (IsLpFile(it->path())) files.push_back(it->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
 
 Capture OpenFieldCapture(const fs::path& path, const FieldCaptureOptions& options,
                          Progress& progress) {

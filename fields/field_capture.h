@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "core/capture.h"
 #include "core/image.h"
@@ -24,6 +25,11 @@ struct FieldCaptureOptions {
                   {"linear", "srgb"}, encoding);
   }
 };
+
+/// Whether `file` is there and an .lp file by its ending.
+bool IsLpFile(const std::filesystem::path& file);
+/// Those of a folder, in order of their names; none where the folder cannot be read.
+std::vector<std::filesystem::path> LpFilesIn(const std::filesystem::path& folder);
 
 /// Opens whatever holds a reflectance field or light transport as a capture: a folder with
 /// capture.json (which alone states its own split and encoding), an .lp file (fields/rti_capture.h)

@@ -27,7 +27,4 @@ uint16_t HalfBits(float value, int exponent);
 float HalfValue(uint16_t bits, int exponent);
 HalfFloats ToHalf(std::span<const float> values);
 
-/// Whether the bits are a number (neither an infinity nor a NaN).
-inline bool IsFiniteHalf(uint16_t bits) { return (bits & 0x7c00) != 0x7c00; }
-
 }  // namespace lfm

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/cube_map.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "fields/light_probe.h"
@@ -134,27 +135,6 @@ int CubeResolution(size_t texels) {
 
 }  // namespace
 
-int CubeTexel(const Eigen::Vector3f& direction, int resolution) {
-  const float x = std::abs(direction.x()), y = std::abs(direction.y()), z = std::abs(direction.z());
-  const int axis = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
-  const float scale = 0.5f * static_cast<float>(resolution) / std::max({x, y, z});
-  const auto cell = [&](int other) {
-    const float p = scale * direction[other % 3] + 0.5f * static_cast<float>(resolution);
-    return std::clamp(static_cast<int>(p), 0, resolution - 1);
-  };
-  const int face = 2 * axis + (direction[axis] < 0 ? 1 : 0);
-  return (face * resolution + cell(axis + 2)) * resolution + cell(axis + 1);
-}
-
-Vector3d CubeTexelMiddle(int texel, int resolution) {
-  const int face = texel / (resolution * resolution), axis = face / 2;
-  Vector3d middle;
-  middle[axis] = face % 2 == 0 ? 1 : -1;
-  middle[(axis + 1) % 3] = (texel % resolution + 0.5) * 2 / resolution - 1;
-  middle[(axis + 2) % 3] = (texel / resolution % resolution + 0.5) * 2 / resolution - 1;
-  return middle;
-}
-
 LightCells MakeLightCells(FieldColumns kind, const std::vector<Vector3d>& directions,
                           const LightCellOptions& options) {
   if (kind == FieldColumns::kViews) throw Error("directions towards the eye have no light");
@@ -165,13 +145,12 @@ LightCells MakeLightCells(FieldColumns kind, const std::vector<Vector3d>& direct
   cells.kind = kind;
   cells.directions = directions;
   constexpr int kFace = LightCells::kFace;
-  const auto middle_of = [](int x, int y) { return CubeTexelMiddle(y * kFace + x, kFace); };
   if (kind == FieldColumns::kCubeTexels) {
     const int resolution = cells.cube_resolution = CubeResolution(directions.size());
     std::vector<int> texels;
     for (int y = 0; y < kProbeRows; ++y) {
       for (int x = 0; x < LightCells::kColumns; ++x) {
-        texels.push_back(CubeTexel(RowDirection(x, y).cast<float>(), resolution));
+        texels.push_back(CubeMap{resolution}.TexelOf(RowDirection(x, y).cast<float>()));
       }
     }
     AddRuns(texels, cells);
@@ -179,8 +158,8 @@ LightCells MakeLightCells(FieldColumns kind, const std::vector<Vector3d>& direct
   }
   const Reach reach = MakeReach(directions, options);
   AddRuns(NearestLights(reach, LightCells::kColumns, kProbeRows, RowDirection), cells);
-  cells.cube_light = NearestLights(reach, kFace, 6 * kFace, [&](int x, int y) {
-    return Vector3d(middle_of(x, y).normalized());
+  cells.cube_light = NearestLights(reach, kFace, 6 * kFace, [](int x, int y) {
+    return CubeMap{kFace}.Direction(y * kFace + x).cast<double>().normalized();
   });
   return cells;
 }

@@ -34,15 +34,8 @@ struct LightCells {
   std::vector<double> solid_angle;  ///< sr, a light
   std::vector<Run> runs;
   std::vector<int> first_run;   ///< kProbeRows + 1
-  std::vector<int> cube_light;  ///< a texel of a cube of kFace (CubeTexel); -1: none
+  std::vector<int> cube_light;  ///< a texel of a cube of kFace (core/cube_map.h); -1: none
 };
-
-/// The texel, (face * resolution + row) * resolution + column as in core/transport_matrix.h, that a
-/// direction (any length but 0) falls into. Faces +x, -x, +y, -y, +z, -z; on the face of axis a,
-/// columns run along the next axis in cyclic order, rows along the one after.
-int CubeTexel(const Eigen::Vector3f& direction, int resolution);
-/// The unnormalised middle of a texel.
-Eigen::Vector3d CubeTexelMiddle(int texel, int resolution);
 
 /// Of equally near lights, the first one's. Throws Error for kViews, without directions, when one
 /// is not of unit length, when kCubeTexels are not 6 N^2 in number, or the angle is out of range.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/cube_map.h"
 #include "core/error.h"
 #include "core/parallel.h"
 
@@ -67,19 +68,10 @@ void FillEmptyTexels(const LightCells& cells, const LightProbe& probe,
   if (cells.kind != FieldColumns::kCubeTexels) return;
   for (size_t i = 0; i < sums.energy.size(); ++i) {
     if (sums.solid_angle[i] > 0) continue;
-    const Vector3d middle = CubeTexelMiddle(static_cast<int>(i), cells.cube_resolution);
-    sums.energy[i] = RadianceAt(probe, probe_from_world * middle);
+    const Eigen::Vector3f middle = CubeMap{cells.cube_resolution}.Direction(static_cast<int>(i));
+    sums.energy[i] = RadianceAt(probe, probe_from_world * middle.cast<double>());
     sums.solid_angle[i] = 1;
   }
-}
-
-double TexelSolidAngle(int texel, int resolution) {
-  const double step = 2.0 / resolution;
-  const double x = texel % resolution * step - 1, y = texel / resolution % resolution * step - 1;
-  const auto corner = [](double a, double b) {
-    return std::atan2(a * b, std::sqrt(a * a + b * b + 1));
-  };
-  return corner(x + step, y + step) - corner(x, y + step) - corner(x + step, y) + corner(x, y);
 }
 
 }  // namespace
@@ -126,8 +118,8 @@ LightVector SampleProbeTurned(const LightCells& cells, const LightProbe& probe,
     for (int64_t i = begin; i < end; ++i) {
       const Eigen::Vector3f direction = turn * probe.direction[i];
       const int light = cells.kind == FieldColumns::kCubeTexels
-                            ? CubeTexel(direction, cells.cube_resolution)
-                            : cells.cube_light[CubeTexel(direction, LightCells::kFace)];
+                            ? CubeMap{cells.cube_resolution}.TexelOf(direction)
+                            : cells.cube_light[CubeMap{LightCells::kFace}.TexelOf(direction)];
       if (light < 0) continue;
       sums.energy[light] += probe.energy[i].cast<double>();
       sums.solid_angle[light] += probe.solid_angle[i];
@@ -154,7 +146,7 @@ LightVector SampleDirection(const LightCells& cells, const LightTriangulation& l
   for (int k = 0; k < 3; ++k) {
     if (shares.share[k] == 0) continue;
     const double unit = cells.kind == FieldColumns::kCubeTexels
-                            ? TexelSolidAngle(shares.light[k], cells.cube_resolution)
+                            ? CubeMap{cells.cube_resolution}.SolidAngle(shares.light[k])
                             : 1;
     light.values[shares.light[k]] += static_cast<float>(shares.share[k] / unit);
   }

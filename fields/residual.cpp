@@ -32,13 +32,16 @@ void CheckSizes(const ClusteredModel& model, RowsView truth) {
   }
 }
 
-float LargestMagnitude(RowsView rows) {
-  std::vector<float> largest(static_cast<size_t>((rows.rows + kChunk - 1) / kChunk));
-  ParallelChunks(rows.rows, kChunk, [&](int64_t begin, int64_t end, int64_t chunk) {
+float LargestResidual(const ClusteredModel& model, RowsView truth) {
+  std::vector<float> largest(static_cast<size_t>((truth.rows + kChunk - 1) / kChunk));
+  ParallelChunks(truth.rows, kChunk, [&](int64_t begin, int64_t end, int64_t chunk) {
+    std::vector<float> approximation(static_cast<size_t>(model.columns));
     float most = 0;
     for (int64_t r = begin; r < end; ++r) {
-      const float* row = rows.Row(r);
-      for (int j = 0; j < rows.columns; ++j) most = std::max(most, std::abs(row[j]));
+      EvaluateRow(model, r, 0, approximation.data());
+      for (int j = 0; j < truth.columns; ++j) {
+        most = std::max(most, std::abs(truth.Row(r)[j] - approximation[j]));
+      }
     }
     largest[chunk] = most;
   });
@@ -98,7 +101,7 @@ ClusteredModel WithResidual(ClusteredModel model, RowsView truth, const Residual
     throw Error("residual: the threshold must be finite and not negative");
   }
   if (model.columns > 65536) throw Error("residual: more than 65536 columns");
-  const StoredNumbers stored = StoredNumbersUpTo(LargestMagnitude(truth));
+  const StoredNumbers stored = StoredNumbersUpTo(LargestResidual(model, truth));
   std::vector<int64_t> first(static_cast<size_t>(model.rows) + 1);
   ParallelChunks(model.rows, kChunk, [&](int64_t begin, int64_t end, int64_t) {
     RowResidual residual(model, truth, options, stored);

@@ -1,48 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fields/stored_numbers.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "fields/half_floats.h"
 
 namespace lfm {
 namespace {
 
-constexpr float kLargestHalf = 65504;
-constexpr double kPlainFrom = 0x1p-6, kPlainTo = 0x1p15;
-
-float LargestMagnitude(const std::vector<float>& values) {
-  float largest = 0;
-  for (float v : values) largest = std::max(largest, std::abs(v));
-  return largest;
-}
-
-void RoundAll(std::vector<float>& values, const StoredNumbers& stored) {
+void RoundAll(std::span<float> values) {
+  const StoredNumbers stored{HalfExponent(values)};
   for (float& v : values) v = stored.Round(v);
 }
 
 }  // namespace
 
 float StoredNumbers::Round(float value) const {
-  const float scaled = exponent == 0 ? value : std::ldexp(value, -exponent);
-  const auto half =
-      static_cast<float>(Eigen::half(std::clamp(scaled, -kLargestHalf, kLargestHalf)));
-  return exponent == 0 ? half : std::ldexp(half, exponent);
+  constexpr uint16_t kLargestHalf = 0x7bff;
+  const float largest = HalfValue(kLargestHalf, exponent);
+  return HalfValue(HalfBits(std::clamp(value, -largest, largest), exponent), exponent);
 }
 
-StoredNumbers StoredNumbersUpTo(double largest) {
-  if (!(largest > 0) || (largest >= kPlainFrom && largest <= kPlainTo)) return {};
-  return {std::ilogb(largest)};
-}
+StoredNumbers StoredNumbersUpTo(float largest) { return {HalfExponent({&largest, 1})}; }
 
 ClusteredModel RoundToStored(ClusteredModel model) {
-  float largest = 0;
-  for (const FunctionRows& basis : model.bases) {
-    largest = std::max(largest, LargestMagnitude(basis.values));
+  for (FunctionRows& basis : model.bases) {
+    for (int64_t t = 0; t < basis.rows; ++t) {
+      RoundAll({basis.Row(t), static_cast<size_t>(basis.columns)});
+    }
   }
-  const StoredNumbers of_bases = StoredNumbersUpTo(largest);
-  for (FunctionRows& basis : model.bases) RoundAll(basis.values, of_bases);
-  RoundAll(model.weights, StoredNumbersUpTo(LargestMagnitude(model.weights)));
+  RoundAll(model.weights);
   return model;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/light_pipeline.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <system_error>
@@ -10,6 +9,7 @@
 #include "core/json_reader.h"
 #include "core/output_folder.h"
 #include "fields/diligent_capture.h"
+#include "fields/field_capture.h"
 #include "fields/light_methods.h"
 #include "fields/ptm_file.h"
 #include "fields/relightable_file.h"
@@ -24,24 +24,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-bool IsLpFile(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  std::error_code error;
-  return ending == ".lp" && fs::is_regular_file(path, error);
-}
-
-std::vector<fs::path> LpFilesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (IsLpFile(entry.path())) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 // Whatever says what the capture is, beside its pictures.
 std::vector<fs::path> ManifestFiles(const fs::path& capture) {
@@ -141,7 +123,8 @@ StageJob ReportJob(const Run& run) {
 
 bool VariesInLight(const fs::path& capture) {
   if (IsLpFile(capture)) return true;
-  if (fs::exists(capture / "capture.json")) {
+  std::error_code absent;
+  if (fs::exists(capture / "capture.json", absent)) {
     const Capture loaded = LoadCapture(capture);
     return loaded.reflectance_field && loaded.photos.empty();
   }

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "core/cube_map.h"
 #include "core/error.h"
 #include "fields/light_probe.h"
 #include "tests/fields/light_directions.h"
@@ -37,7 +38,8 @@ TEST(LightCells, AreTheNearestLights) {
       EXPECT_NEAR(directions[cells.runs[run].light].dot(d),
                   directions[Nearest(directions, d)].dot(d), 1e-12);
       const int texel = static_cast<int>(random() % cells.cube_light.size());
-      const Vector3d middle = CubeTexelMiddle(texel, LightCells::kFace).normalized();
+      const Vector3d middle =
+          CubeMap{LightCells::kFace}.Direction(texel).cast<double>().normalized();
       EXPECT_NEAR(directions[cells.cube_light[texel]].dot(middle),
                   directions[Nearest(directions, middle)].dot(middle), 1e-12);
     }
@@ -51,11 +53,11 @@ TEST(LightCells, OfACubeAreItsTexels) {
   for (const int resolution : {1, 2, 5, 32}) {
     const std::vector<Vector3d> directions = Cube(resolution);
     for (size_t i = 0; i < directions.size(); ++i) {
-      ASSERT_EQ(CubeTexel(directions[i].cast<float>(), resolution), static_cast<int>(i));
+      ASSERT_EQ(CubeMap{resolution}.TexelOf(directions[i].cast<float>()), static_cast<int>(i));
     }
   }
   // Face +y (axis 1): columns along z, rows along x.
-  EXPECT_EQ(CubeTexel({-0.9f, 1, 0.9f}, 4), (2 * 4 + 0) * 4 + 3);
+  EXPECT_EQ(CubeMap{4}.TexelOf({-0.9f, 1, 0.9f}), (2 * 4 + 0) * 4 + 3);
 }
 
 TEST(LightCells, LeaveOutWhatIsFarFromADome) {
@@ -78,8 +80,8 @@ TEST(LightCells, LeaveOutWhatIsFarFromADome) {
     if (d.z() > 0 && (d - Vector3d(0.6, 0, 0.8)).norm() > 0.35) gap.push_back(d);
   }
   const LightCells cells = MakeLightCells(FieldColumns::kLights, gap);
-  EXPECT_GE(cells.cube_light[CubeTexel({0.6f, 0, 0.8f}, LightCells::kFace)], 0);
-  EXPECT_EQ(cells.cube_light[CubeTexel({0, 0, -1}, LightCells::kFace)], -1);
+  EXPECT_GE(cells.cube_light[CubeMap{LightCells::kFace}.TexelOf({0.6f, 0, 0.8f})], 0);
+  EXPECT_EQ(cells.cube_light[CubeMap{LightCells::kFace}.TexelOf({0, 0, -1})], -1);
 }
 
 TEST(LightCells, RefuseWhatHasNone) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "core/cube_map.h"
 #include "fields/light_cells.h"
 
 namespace lfm {
@@ -28,7 +29,7 @@ inline std::vector<Eigen::Vector3d> Spiral(int count, double lowest) {
 inline std::vector<Eigen::Vector3d> Cube(int resolution) {
   std::vector<Eigen::Vector3d> directions;
   for (int i = 0; i < 6 * resolution * resolution; ++i) {
-    directions.push_back(CubeTexelMiddle(i, resolution).normalized());
+    directions.push_back(CubeMap{resolution}.Direction(i).cast<double>().normalized());
   }
   return directions;
 }

@@ -146,14 +146,29 @@ TEST(Residual, RefusesWhatDoesNotFit) {
 
 TEST(StoredNumbers, RoundToTheNearestAndSaturate) {
   const StoredNumbers plain = StoredNumbersUpTo(1);
-  EXPECT_EQ(plain.exponent, 0);
+  EXPECT_EQ(plain.exponent, -14);
   EXPECT_EQ(plain.Round(1 + 0x1p-11f), 1);
   EXPECT_EQ(plain.Round(1 + 0x1.8p-10f), 1 + 0x1p-9f);
-  EXPECT_EQ(plain.Round(-1e6f), -65504);
-  const StoredNumbers large = StoredNumbersUpTo(1e25);
+  EXPECT_EQ(plain.Round(-1e6f), -65504 * 0x1p-14f);
+  const StoredNumbers large = StoredNumbersUpTo(1e25f);
   EXPECT_NEAR(large.Round(1e25f) / 1e25, 1, 0x1p-11);
   EXPECT_EQ(large.Round(large.Round(1e24f)), large.Round(1e24f));
   EXPECT_EQ(StoredNumbersUpTo(0).exponent, 0);
+}
+
+TEST(Residual, DarkRowsKeepAllTheirBits) {
+  const Problem problem = RandomProblem(6, 20, 3);
+  FunctionRows truth = problem.truth;
+  for (int64_t r = 1; r < truth.rows; ++r) {
+    for (int i = 0; i < truth.columns; ++i)
+      truth.Row(r)[i] *= std::pow(0.04f, static_cast<float>(r));
+  }
+  ClusteredModel model = problem.model;
+  std::fill(model.weights.begin(), model.weights.end(), 0.0f);
+  model = WithResidual(RoundToStored(std::move(model)), truth.View(), {-1, 0});
+  for (int64_t r = 0; r < truth.rows; ++r) {
+    EXPECT_LT(RelativeError(model, truth.View(), -1, {r}), 0x1p-22) << r;
+  }
 }
 
 }  // namespace
