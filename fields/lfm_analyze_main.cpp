@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
       "output.",
       "lfm-analyze demo/plant --out demo/plant_analysis");
   std::string in;
-  command.Positional("IN", "capture (folder or .lp file) or workspace folder", in);
+  command.Positional("IN", "capture (folder, .lp file or DiLiGenT folder) or workspace folder", in);
   lfm::AnalysisOptions options;
   OutputOptions output;
   lfm::FieldCaptureOptions capture_options;

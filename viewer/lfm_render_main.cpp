@@ -206,8 +206,8 @@ void RequireNothingOfOthers(const std::filesystem::path& model_or_scene,
                             const std::vector<lfm::SceneEntry>& entries,
                             const std::filesystem::path& out) {
   std::error_code absent;
-  const bool has_pages = std::filesystem::exists(out / "app.js", absent);
-  std::vector<std::string> names = {"scene.json", "model.glb"};
+  const bool has_pages = std::filesystem::exists(out / "model.html", absent);
+  std::vector<std::string> names = {"index.html", "app.js", "scene.json", "model.glb"};
   for (size_t i = 2;; ++i) {  // those beyond are removed
     names.push_back("model-" + std::to_string(i) + ".glb");
     if (i > entries.size() && !std::filesystem::exists(out / names.back(), absent)) break;
@@ -221,7 +221,10 @@ void RequireNothingOfOthers(const std::filesystem::path& model_or_scene,
     }
     const bool stays = entries.size() == 1 && is_input && name == "model.glb";
     if (is_input ? !stays : !has_pages) {
-      throw lfm::Error(there.string() + (is_input ? " is read, and" : " is another model, which") +
+      throw lfm::Error(there.string() +
+                       (is_input                      ? " is read, and"
+                        : there.extension() == ".glb" ? " is another model, which"
+                                                      : " is somebody else's, which") +
                        " --web would replace; name another folder");
     }
   }

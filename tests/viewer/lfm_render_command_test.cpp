@@ -255,6 +255,8 @@ TEST_F(LfmRenderCommand, WritesThePagesForBrowsers) {
   WriteGlb(MakeSmoothRandomModel(2, DirectionMap::kHemiOctahedral),
            scratch_.folder / "other" / "model.glb");
   ExpectRefusal({model_, scratch_.folder / "other", "--web"}, {"another model"});
+  WriteFileAtomically(scratch_.folder / "site" / "index.html", "somebody's");
+  ExpectRefusal({model_, scratch_.folder / "site", "--web"}, {"index.html", "somebody else's"});
 }
 
 TEST_F(LfmRenderCommand, RefusesModelsThatAreNone) {
