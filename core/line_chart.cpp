@@ -55,7 +55,7 @@ std::vector<double> Ticks(const Axis& axis) {
     const double power = std::pow(10.0, std::floor(std::log10(rough)));
     const double step = power * (rough < 2 * power ? 2 : rough < 5 * power ? 5 : 10);
     for (double k = std::ceil(axis.low / step); k * step <= axis.high; ++k) {
-      ticks.push_back(k * step);
+      ticks.push_back(k * step + 0.0);  // no negative zero
     }
   }
   std::erase_if(ticks, [&](double tick) {

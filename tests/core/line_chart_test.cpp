@@ -38,6 +38,13 @@ TEST(LineChart, EachSideHasItsOwnAxis) {
   EXPECT_EQ(ChartToSvg(chart).find("z &amp; more"), std::string::npos);
 }
 
+TEST(LineChart, ZeroHasNoSign) {
+  const std::string svg = ChartToSvg(
+      {.title = {}, .x_label = {}, .y_label = {}, .curves = {{"curve", {0, 30}, {0, 0.2}}}});
+  EXPECT_NE(svg.find(">0</text>"), std::string::npos);
+  EXPECT_EQ(svg.find(">-0</text>"), std::string::npos);
+}
+
 TEST(LineChart, LogarithmicAxesLeaveOutWhatTheyCannotShow) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ChartCurve curve{"curve", {1, 10, 100, 0, 5}, {1, 10, 100, 5, nan}};
